@@ -35,7 +35,7 @@ error = {{"max": 150 if missed else 50}}
 print(json.dumps({{"samples": samples, "counts": counts, "jumps": None, "passed": not missed,
     "adversarial": {{"samples": samples // 2, "counts": counts | {{"beyond_tolerance": 0}},
                      "distance_error_um": error}}, "distance_error_um": error,
-    "near_holes_judged": {{"samples": 0}}, "worst": [place] if missed else []}}))
+    "worst": [place] if missed else []}}))
 sys.exit(10 if missed else 0)
 """
 

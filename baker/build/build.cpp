@@ -12,7 +12,7 @@
 
 #include "baker/base/bake_error.hpp"
 #include "baker/base/stopwatch.hpp"
-#include "baker/build/caps_report.hpp"
+#include "baker/build/lids_report.hpp"
 #include "baker/build/time_limit.hpp"
 #include "baker/mesh/load.hpp"
 #include "baker/reachability/reachability.hpp"
@@ -50,7 +50,7 @@ Json mesh_json(const Mesh& mesh) {
   return {{"path", mesh.path},
           {"triangles", mesh.file_triangles},
           {"vertices", mesh.file_vertices},
-          {"closed", mesh.closed()},
+          {"closed", mesh.border_edges == 0},
           {"components", mesh.components},
           {"border_edges", mesh.border_edges},
           {"diagonal_m", mesh.diagonal},
@@ -67,6 +67,15 @@ Json spm_json(const BakeResult& baked) {
           {"samples", baked.report.samples},
           {"layers_max", asset.metadata.layers_max},
           {"cells", baked.report.record_cells}};
+}
+
+/// What the parts of the mesh were taken for.
+Json solid_json(const Mesh& mesh) {
+  return {{"parts", mesh.components},
+          {"sheets", mesh.sheets},
+          {"lids", mesh.lids.size()},
+          {"welded", mesh.welded},
+          {"copies", mesh.copies}};
 }
 
 /// Refuses to write an asset that breaks its promise, unless that is allowed.
@@ -245,6 +254,7 @@ Json to_json(const BuildRequest& request, const Mesh& mesh, const BakeResult& ba
   Json json;
   json["output"] = request.output;
   json["mesh"] = mesh_json(mesh);
+  json["solid"] = solid_json(mesh);
   json["spm"] = spm_json(baked);
   json["proof"] = {{"refused_cells", baked.report.refused_tile_cells},
                    {"fallback_area", baked.report.fallback_area}};
@@ -268,7 +278,7 @@ Json to_json(const BuildRequest& request, const Mesh& mesh, const BakeResult& ba
     }
     json["pruned"].push_back({{"rule", pruned.rule}, {"bytes", pruned.bytes}});
   }
-  add_caps_json(baked.report.caps, json);
+  add_lids_json(baked.report.lids, json);
   json["seconds"] = {{"load", seconds.load},
                      {"fit", baked.report.seconds_fit},
                      {"cast", baked.report.seconds_cast},
@@ -395,7 +405,7 @@ std::string describe(const BuildReport& report) {
       seconds["total"].get<double>(), seconds["load"].get<double>(), seconds["fit"].get<double>(),
       seconds["cast"].get<double>(), seconds["verify"].get<double>(),
       seconds["write"].get<double>());
-  text += caps_text(json);
+  text += lids_text(json);
   for (const Json& pruned : json["pruned"]) {
     text += fmt::format("pruned   {} bytes: {}\n", pruned["bytes"].get<std::uint64_t>(),
                         reason_of(pruned["rule"].get<std::string>()));

@@ -80,6 +80,10 @@ void check(const CLI::App& command, const BuildRequest& request) {
   }
   if (bake.tolerance && *bake.tolerance <= 0) refuse("--tolerance", "must be above 0");
   if (bake.max_depth <= 0) refuse("--max-depth", "must be above 0");
+  if (bake.sheet_thickness &&
+      !(*bake.sheet_thickness > 0 && *bake.sheet_thickness <= bake.max_depth)) {
+    refuse("--sheet-thickness", "must be above 0 and at most --max-depth");
+  }
   if (bake.margin && *bake.margin < 0) refuse("--margin", "must be 0 or more");
   if (bake.margin && *bake.margin < bake.probe_radius) {
     refuse("--margin", "must be at least the probe's radius, " +
@@ -168,6 +172,14 @@ void add_build_options(CLI::App& command, BuildRequest& request) {
   cli::add_quantity(command, "--margin", bake.margin, Quantity::length,
                     "how far outside the asset answers, at least the probe's radius "
                     "(default: that radius and a quarter of --max-depth)");
+  cli::add_choice<OpenAs>(
+      command, "--open", request.load.open_as,
+      {{"auto", OpenAs::automatic}, {"solid", OpenAs::solid}, {"sheet", OpenAs::sheet}},
+      "what open parts are: solids whose holes get lids, or sheets felt from both sides (default "
+      "auto: solids where lids take at most 5 % of their area)");
+  cli::add_quantity(command, "--sheet-thickness", bake.sheet_thickness, Quantity::length,
+                    "from the middle of a sheet to what is felt of it, above 0 and at most "
+                    "--max-depth (default the tolerance)");
   cli::add_probe(command, bake.probe_radius);
   add_cut_options(command, request.limits);
   add_full_options(command, bake);

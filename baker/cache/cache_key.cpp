@@ -29,6 +29,8 @@ CacheKey cache_key(const BuildRequest& request, const std::string& mesh_sha256) 
   const bool unit_of_file = !request.load.unit && names_unit(request.mesh);
   parts["unit"] = unit_of_file ? Json() : Json(request.load.unit.value_or(1));
   parts["fit_diagonal"] = or_null(request.load.fit_diagonal);
+  parts["open"] = open_as_words[static_cast<std::size_t>(request.load.open_as)];
+  parts["sheet_thickness"] = or_null(bake.sheet_thickness);
   parts["form"] = bake.form == AssetForm::full ? "full" : "sparse";
   parts["tolerance"] = or_null(bake.tolerance);
   parts["direction_tolerance"] = bake.direction_tolerance;

@@ -45,11 +45,12 @@ struct Candidate {
 
 struct Caster::Implementation {
   RTCDevice device = nullptr;
-  RTCScene rays = nullptr;    // surface only: caps carry no distance
-  RTCScene points = nullptr;  // surface and caps
+  RTCScene rays = nullptr;    // of solids only, which rays enter and leave
+  RTCScene points = nullptr;  // of solids and sheets
   std::vector<std::array<Vector3, 3>> corners;
   std::vector<Vector3> normals;
-  std::size_t surface_count = 0;
+  std::size_t solid_count = 0;
+  double sheet_thickness = 0;
   Vector3 centre = Vector3::Zero();
   double diagonal = 0;
   std::optional<WindingNumber> winding;
@@ -64,6 +65,12 @@ struct Caster::Implementation {
     RTCScene scene = rtcNewScene(device);
     rtcSetSceneFlags(scene,
                      collecting ? RTC_SCENE_FLAG_ROBUST | filtered_rays : RTC_SCENE_FLAG_ROBUST);
+    if (count > 0) add_triangles(count, scene);
+    rtcCommitScene(scene);
+    return scene;
+  }
+
+  void add_triangles(std::size_t count, RTCScene scene) const {
     RTCGeometry geometry = rtcNewGeometry(device, RTC_GEOMETRY_TYPE_TRIANGLE);
     auto* vertices = static_cast<float*>(rtcSetNewGeometryBuffer(
         geometry, RTC_BUFFER_TYPE_VERTEX, 0, RTC_FORMAT_FLOAT3, 3 * sizeof(float), 3 * count));
@@ -82,8 +89,6 @@ struct Caster::Implementation {
     rtcCommitGeometry(geometry);
     rtcAttachGeometry(scene, geometry);
     rtcReleaseGeometry(geometry);
-    rtcCommitScene(scene);
-    return scene;
   }
 
   void collect(const Vector3& origin, const Vector3& direction, double lift,
@@ -161,9 +166,11 @@ bool alternates(const std::vector<Crossing>& crossings) {
 
 }  // namespace
 
-Caster::Caster(const OuterSurface& surface) : implementation_(std::make_unique<Implementation>()) {
+Caster::Caster(const OuterSurface& surface, double sheet_thickness)
+    : implementation_(std::make_unique<Implementation>()) {
   Implementation& self = *implementation_;
-  self.surface_count = surface.surface_count;
+  self.solid_count = surface.solid_count;
+  self.sheet_thickness = surface.has_sheets() ? sheet_thickness : 0;
   Vector3 low = Vector3::Constant(std::numeric_limits<double>::infinity());
   Vector3 high = -low;
   self.corners.reserve(surface.triangles.size());
@@ -181,11 +188,11 @@ Caster::Caster(const OuterSurface& surface) : implementation_(std::make_unique<I
   }
   self.centre = (low + high) / 2;
   self.diagonal = (high - low).norm();
-  self.winding.emplace(surface.vertices, surface.triangles);
+  self.winding.emplace(surface.vertices, std::span(surface.triangles).first(self.solid_count));
   self.device = rtcNewDevice(nullptr);
   if (self.device == nullptr) throw BakeError(ExitCode::internal, "Embree could not be started");
-  self.rays = self.make_scene(self.surface_count, true);
-  if (self.surface_count == self.corners.size()) {
+  self.rays = self.make_scene(self.solid_count, true);
+  if (self.solid_count == self.corners.size()) {
     self.points = self.rays;
     rtcRetainScene(self.points);
   } else {
@@ -242,14 +249,26 @@ std::optional<Crossing> Caster::first_between(const SupportPlane& plane, double 
   return Crossing{from + distance, triangle, cosine < 0};
 }
 
+namespace {
+
+/// The nearer of two, and of two that are as near the first of the file.
+void keep_nearest(const Candidate& candidate, const Candidate*& nearest) {
+  if (!(candidate.distance < std::numeric_limits<double>::infinity())) return;
+  if (nearest == nullptr || candidate.distance < nearest->distance ||
+      (candidate.distance == nearest->distance && candidate.triangle < nearest->triangle)) {
+    nearest = &candidate;
+  }
+}
+
+}  // namespace
+
 ClosestPoint Caster::closest(const Vector3& point) const {
   const Implementation& self = *implementation_;
   struct Search {
     const Implementation* self;
     Vector3 point;
     double tie;
-    double nearest;  // distance to surface or cap
-    double nearest_surface;
+    double nearest_solid, nearest_sheet;
     std::vector<Candidate>* candidates;
   };
   thread_local std::vector<Candidate> candidates;
@@ -270,44 +289,55 @@ ClosestPoint Caster::closest(const Vector3& point) const {
     const auto& corners = io.self->corners[triangle];
     const Vector3 closest_point = closest_on_triangle(io.point, corners[0], corners[1], corners[2]);
     const double distance = (closest_point - io.point).norm();
-    const bool cap = triangle >= io.self->surface_count;
-    if (distance > io.nearest + io.tie && (cap || distance > io.nearest_surface + io.tie))
-      return false;
+    double& nearest = triangle < io.self->solid_count ? io.nearest_solid : io.nearest_sheet;
+    if (distance > nearest + io.tie) return false;
     io.candidates->push_back({distance, closest_point, triangle});
-    io.nearest = std::min(io.nearest, distance);
-    if (cap || distance >= io.nearest_surface) return false;
-    io.nearest_surface = distance;
+    if (distance >= nearest) return false;
+    nearest = distance;
+    // A solid that is farther than the nearest sheet by the half-thickness is no nearer to be felt.
+    const double least = std::min(io.nearest_solid, io.nearest_sheet) + io.self->sheet_thickness;
     // Single precision: keep enough slack that no competing triangle is lost.
     arguments->query->radius =
-        static_cast<float>((distance + io.tie) * (1 + 1e-5) + 1e-6 * io.self->diagonal);
+        static_cast<float>((least + io.tie) * (1 + 1e-5) + 1e-6 * io.self->diagonal);
     return true;
   };
   rtcPointQuery(self.points, &query, &context, visit, &search);
 
-  ClosestPoint result;
+  // Of solids beyond the radius some were met, and not the nearest.
+  const bool any_solid = search.nearest_solid <= search.nearest_sheet + self.sheet_thickness;
   bool voted_inside = false, voted_outside = false;
-  const Candidate* nearest = nullptr;
+  const Candidate *solid = nullptr, *sheet = nullptr;
   for (const Candidate& candidate : candidates) {
-    if (candidate.distance <= search.nearest + search.tie) {
-      const double height = self.normals[candidate.triangle].dot(point - candidate.closest_point);
-      (height < 0 ? voted_inside : voted_outside) = true;
-      // A cap is a guess: it may be creased or cross the surface.
-      if (candidate.triangle >= self.surface_count) voted_inside = voted_outside = true;
+    if (candidate.triangle >= self.solid_count) {
+      keep_nearest(candidate, sheet);
+      continue;
     }
-    if (candidate.triangle >= self.surface_count) continue;
-    // Not where the distance is no number.
-    const bool closer = candidate.distance < (nearest != nullptr ? nearest->distance : infinity) ||
-                        (nearest != nullptr && candidate.distance == nearest->distance &&
-                         candidate.triangle < nearest->triangle);
-    if (closer) nearest = &candidate;
+    if (!any_solid) continue;
+    keep_nearest(candidate, solid);
+    if (candidate.distance > search.nearest_solid + search.tie) continue;
+    const double height = self.normals[candidate.triangle].dot(point - candidate.closest_point);
+    (height < 0 ? voted_inside : voted_outside) = true;
   }
-  if (nearest == nullptr) throw BakeError(ExitCode::internal, "the surface has no triangle");
+  if (solid == nullptr && sheet == nullptr) {
+    throw BakeError(ExitCode::internal, "the surface has no triangle");
+  }
   // At an edge or a corner triangles may disagree. Neither the nearest nor the one that faces the
   // point most is always right.
-  const bool inside = voted_inside && voted_outside ? self.winding->at(point) > 0.5 : voted_inside;
+  bool inside = voted_inside && voted_outside ? self.winding->at(point) > 0.5 : voted_inside;
+  ClosestPoint result;
+  if (solid != nullptr) {
+    result.solid = inside ? -solid->distance : solid->distance;
+  } else {
+    result.solid = self.solid_count > 0 ? search.nearest_sheet + self.sheet_thickness : infinity;
+  }
+  result.distance = result.solid;
+  const Candidate* nearest = solid;
+  if (sheet != nullptr && sheet->distance - self.sheet_thickness < result.solid) {
+    nearest = sheet;
+    inside = false;
+    result.distance = sheet->distance - self.sheet_thickness;
+  }
   const double side = inside ? -1 : 1, least = nearest->distance;
-  result.distance = side * least;
-  result.clearance = search.nearest;
   result.closest_point = nearest->closest_point;
   result.triangle = nearest->triangle;
   result.direction = least > surface_share * self.diagonal
@@ -356,11 +386,12 @@ double Caster::area(std::uint32_t triangle) const {
   const Vector3& first = corner(triangle, 0);
   return (corner(triangle, 1) - first).cross(corner(triangle, 2) - first).norm() / 2;
 }
-bool Caster::is_cap(std::uint32_t triangle) const {
-  return triangle >= implementation_->surface_count;
+bool Caster::is_sheet(std::uint32_t triangle) const {
+  return triangle >= implementation_->solid_count;
 }
-std::size_t Caster::surface_count() const { return implementation_->surface_count; }
+std::size_t Caster::solid_count() const { return implementation_->solid_count; }
 std::size_t Caster::triangle_count() const { return implementation_->corners.size(); }
+double Caster::sheet_thickness() const { return implementation_->sheet_thickness; }
 double Caster::diagonal() const { return implementation_->diagonal; }
 
 }  // namespace spm::baker

@@ -27,19 +27,24 @@ struct Column {
 
 /// The closest point of the surface, and the side on which the asked point lies.
 struct ClosestPoint {
-  double distance = 0;  ///< signed, m, negative inside
+  /// m, signed, negative inside; of a sheet that from its middle less its half-thickness.
+  double distance = 0;
   Vector3 closest_point = Vector3::Zero();
   Vector3 direction = Vector3::UnitZ();  ///< unit, outward: gradient of the signed distance
   std::uint32_t triangle = 0;
-  double clearance = 0;  ///< distance to surface or cap, m: within it the side is the same
+  /// m, the signed distance to the solids alone, within which the side is the same; only a bound
+  /// from below where a sheet is nearer by more than its half-thickness, and infinite without
+  /// solids.
+  double solid = 0;
 };
 
-/// Rays and closest points on an outer surface. Embree finds the triangle in single precision. Hits
-/// and distances are computed again in doubles, so that the result is the same on every CPU. Any
-/// number of threads may use one caster.
+/// Rays through the solids and closest points on an outer surface. Embree finds the triangle in
+/// single precision. Hits and distances are computed again in doubles, so that the result is the
+/// same on every CPU. Any number of threads may use one caster.
 class Caster {
  public:
-  explicit Caster(const OuterSurface& surface);
+  /// `sheet_thickness`, m: from the middle of a sheet to what is felt of it.
+  explicit Caster(const OuterSurface& surface, double sheet_thickness = 0);
   ~Caster();
   Caster(const Caster&) = delete;
   Caster& operator=(const Caster&) = delete;
@@ -55,20 +60,20 @@ class Caster {
   [[nodiscard]] std::optional<Crossing> first_between(const SupportPlane& plane, double eta,
                                                       double omega, double from, double to) const;
 
-  /// The closest point of the surface. Caps carry no distance, but they decide the side.
+  /// The closest point of the surface.
   [[nodiscard]] ClosestPoint closest(const Vector3& point) const;
 
-  /// Triangles that have a point within `radius` metres of `point`, in ascending order. Caps are
-  /// included.
+  /// Triangles that have a point within `radius` metres of `point`, in ascending order.
   void within(const Vector3& point, double radius, std::vector<std::uint32_t>& triangles) const;
 
   /// A corner of a triangle, and a triangle's unit normal.
   [[nodiscard]] const Vector3& corner(std::uint32_t triangle, int which) const;
   [[nodiscard]] const Vector3& normal(std::uint32_t triangle) const;
   [[nodiscard]] double area(std::uint32_t triangle) const;  ///< m^2
-  [[nodiscard]] bool is_cap(std::uint32_t triangle) const;
-  [[nodiscard]] std::size_t surface_count() const;
-  [[nodiscard]] std::size_t triangle_count() const;  ///< with caps
+  [[nodiscard]] bool is_sheet(std::uint32_t triangle) const;
+  [[nodiscard]] std::size_t solid_count() const;     ///< triangles of solids, the first
+  [[nodiscard]] std::size_t triangle_count() const;  ///< with sheets
+  [[nodiscard]] double sheet_thickness() const;      ///< m; 0 where there are no sheets
   [[nodiscard]] double diagonal() const;
 
  private:

@@ -11,7 +11,7 @@ namespace spm::baker {
 std::vector<SurfacePoint> surface_points(const Caster& caster, double spacing, double inset,
                                          std::uint64_t seed) {
   std::vector<SurfacePoint> points;
-  for (std::uint32_t triangle = 0; triangle < caster.surface_count(); ++triangle) {
+  for (std::uint32_t triangle = 0; triangle < caster.solid_count(); ++triangle) {
     const Vector3& a = caster.corner(triangle, 0);
     const Vector3 ab = caster.corner(triangle, 1) - a;
     const Vector3 ac = caster.corner(triangle, 2) - a;

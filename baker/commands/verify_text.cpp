@@ -60,15 +60,6 @@ Json to_json(const AdversarialReport& hard) {
           {"worst_point_m", to_json(hard.worst_point)}};
 }
 
-Json to_json(const NearHolesReport& near) {
-  return {{"samples", near.samples},
-          {"unanswered", near.counts.unanswered},
-          {"beyond_tolerance", near.counts.beyond_tolerance},
-          {"pruned", near.counts.pruned},
-          {"distance_error_um", to_json(near.distance)},
-          {"worst_point_m", to_json(near.worst_point)}};
-}
-
 Json to_json(const DirectionSummary& direction) {
   return {{"p50", direction.p50 * degrees},
           {"p99", direction.p99 * degrees},
@@ -82,7 +73,6 @@ Json to_json(const JumpReport& jumps) {
           {"direction_deg", to_json(jumps.direction)},
           {"contested", jumps.contested},
           {"contested_direction_deg", to_json(jumps.contested_direction)},
-          {"near_holes", jumps.near_holes},
           {"allowed_um", jumps.allowed * micro},
           {"beyond", jumps.beyond},
           {"worst_point_m", to_json(jumps.worst_point)}};
@@ -137,23 +127,14 @@ std::string jump_lines(const JumpReport& jumps) {
 
 /// What the verdict leaves out, and how many places that are.
 std::string left_out_lines(const VerifyReport& report) {
-  std::string text;
   if (const std::uint64_t pruned = report.counts.pruned + report.adversarial.counts.pruned;
       pruned > 0) {
-    text += fmt::format(
+    return fmt::format(
         "cut away       {} places ({:.1f} % of the samples), which the bake left out; not judged, "
         "not in the verdict\n",
         grouped(pruned), 100 * report.pruned);
   }
-  if (const NearHolesReport& near = report.near_holes_judged; near.samples > 0) {
-    text += fmt::format(
-        "near holes     {} places ({:.1f} % of those drawn evenly), where no side is defined; not "
-        "in the verdict; by the distance without its side: {} unanswered, {} beyond {}, max {:.3g} "
-        "um\n",
-        grouped(near.samples), 100 * report.near_holes, none_or(near.counts.unanswered),
-        none_or(near.counts.beyond_tolerance), length(report.threshold), near.distance.max * micro);
-  }
-  return text;
+  return {};
 }
 
 std::string worst_lines(const std::vector<WorstPlace>& places) {
@@ -268,8 +249,7 @@ Json to_json(const VerifyReport& report) {
                            {"outside_as_inside", report.outside_as_inside}};
   json["unanswered"] = report.unanswered;
   json["pruned"] = report.pruned;
-  json["near_holes"] = report.near_holes;
-  json["near_holes_judged"] = to_json(report.near_holes_judged);
+  json["not_judged"] = report.not_judged;
   json["fallback_answers"] = report.fallback_answers;
   json["adversarial"] = to_json(report.adversarial);
   json["jumps"] = report.jumps.places > 0 ? to_json(report.jumps) : Json();

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <span>
 
 #include "common/base/octant.hpp"
 #include "common/surface/closest_on_triangle.hpp"
@@ -36,58 +37,80 @@ constexpr auto nearer = [](const Candidate& a, const Candidate& b) {
 
 /// What may be near enough to a place of a cube. Most of it is not, so few are kept.
 struct Near {
-  std::vector<Candidate> triangles, caps;
+  std::vector<Candidate> solids, sheets;
   void clear() {
-    triangles.clear();
-    caps.clear();
+    solids.clear();
+    sheets.clear();
   }
 };
 
-Candidates narrowed(const LatticeSurface& surface, const Cube& cube, const Near& near) {
+double least_distance(const std::vector<Candidate>& from) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const Candidate& candidate : from) least = std::min(least, candidate.distance);
+  return least;
+}
+
+std::size_t count_within(const std::vector<Candidate>& from, double most) {
+  return static_cast<std::size_t>(std::count_if(
+      from.begin(), from.end(), [&](const Candidate& c) { return c.distance <= most; }));
+}
+
+void find_witnesses(const LatticeSurface& surface, const Cube& cube,
+                    const std::vector<Candidate>& from, double most, CandidatesOfKind& found) {
   std::array<Candidate, witnesses> first;
-  const auto last = std::partial_sort_copy(near.triangles.begin(), near.triangles.end(),
-                                           first.begin(), first.end(), nearer);
-  constexpr double infinity = std::numeric_limits<double>::infinity();
-  const double nearest = last == first.begin() ? infinity : first.front().distance;
-  double clearance = nearest;
-  for (const Candidate& cap : near.caps) clearance = std::min(clearance, cap.distance);
-  const double span = 2 * cube.radius() + slack;
-  const auto reached = [span](const std::vector<Candidate>& from, double least) {
-    return std::count_if(from.begin(), from.end(),
-                         [&](const Candidate& c) { return c.distance <= least + span; });
-  };
-  Candidates found;
-  const auto triangles = static_cast<std::size_t>(reached(near.triangles, nearest));
-  if (triangles + static_cast<std::size_t>(reached(near.caps, clearance)) > few) {
-    for (std::size_t w = 0; w < std::min(witnesses, triangles); ++w) {
-      const std::uint32_t triangle = first[w].triangle;
-      found.witnesses.push_back({triangle, corner_distances(surface.triangles[triangle].corners,
-                                                            cube.middle, cube.half)});
-    }
+  const auto last =
+      std::partial_sort_copy(from.begin(), from.end(), first.begin(), first.end(), nearer);
+  for (auto one = first.begin(); one != last && one->distance <= most; ++one) {
+    found.witnesses.push_back(
+        {one->triangle,
+         corner_distances(surface.triangles[one->triangle].corners, cube.middle, cube.half)});
   }
-  // Where a witness is nearer in all of the cube, its distances at the corners are below the
-  // tangent. None is below its own tangent.
+}
+
+/// Keeps those no farther than `most`, but for what witnesses cover: where a witness is nearer in
+/// all of the cube, its distances at the corners are below the tangent. None is below its own.
+void keep_near(const Cube& cube, const std::vector<Candidate>& from, double most,
+               std::span<const CornerValues> distances, std::vector<Candidate>& to) {
+  thread_local std::vector<Candidate> tried;
+  thread_local std::vector<LinearFunction> tangents;
+  thread_local std::vector<std::uint8_t> covered;
+  tried.clear();
+  tangents.clear();
+  for (const Candidate& candidate : from) {
+    if (candidate.distance > most) continue;
+    tried.push_back(candidate);
+    tangents.push_back({candidate.distance - slack, cube.half * candidate.tangent});
+  }
+  find_above(tangents, distances, covered);
+  for (std::size_t i = 0; i < tried.size(); ++i) {
+    if (covered[i] == 0) to.push_back(tried[i]);
+  }
+  std::sort(to.begin(), to.end(), nearer);
+}
+
+Candidates narrowed(const LatticeSurface& surface, const Cube& cube, const Near& near) {
+  const double span = 2 * cube.radius() + slack;
+  double solid = least_distance(near.solids);
+  const double sheet = least_distance(near.sheets);
+  // No sheet lies inside a solid but by rounding, so where one is nearer than all solids it is
+  // outside, and alone is felt.
+  const bool sheets_only = solid > sheet + span + 2 * surface.displacement;
+  if (sheets_only) solid = std::numeric_limits<double>::infinity();
+  const double most_solid = sheets_only ? -1 : solid + span;
+  const double most_sheet = std::min(sheet, solid + surface.sheet_thickness) + span;
+  Candidates found;
+  const std::size_t count =
+      count_within(near.solids, most_solid) + count_within(near.sheets, most_sheet);
+  if (count > few) {
+    find_witnesses(surface, cube, near.solids, most_solid, found.solids);
+    find_witnesses(surface, cube, near.sheets, most_sheet, found.sheets);
+  }
   std::vector<CornerValues> distances;
-  for (const Witness& witness : found.witnesses) distances.push_back(witness.distances);
-  const auto keep = [&](const std::vector<Candidate>& from, double least, auto& to) {
-    thread_local std::vector<Candidate> tried;
-    thread_local std::vector<LinearFunction> tangents;
-    thread_local std::vector<std::uint8_t> covered;
-    tried.clear();
-    tangents.clear();
-    for (const Candidate& candidate : from) {
-      if (candidate.distance > least + span) continue;
-      tried.push_back(candidate);
-      tangents.push_back({candidate.distance - slack, cube.half * candidate.tangent});
-    }
-    find_above(tangents, distances, covered);
-    for (std::size_t i = 0; i < tried.size(); ++i) {
-      if (covered[i] == 0) to.push_back(tried[i]);
-    }
-    std::sort(to.begin(), to.end(), nearer);
-  };
-  keep(near.triangles, nearest, found.triangles);
-  keep(near.caps, clearance, found.caps);
+  for (const Witness& witness : found.solids.witnesses) distances.push_back(witness.distances);
+  keep_near(cube, near.solids, most_solid, distances, found.solids.triangles);
+  for (CornerValues& values : distances) values += surface.sheet_thickness;
+  for (const Witness& witness : found.sheets.witnesses) distances.push_back(witness.distances);
+  keep_near(cube, near.sheets, most_sheet, distances, found.sheets.triangles);
   return found;
 }
 
@@ -121,12 +144,8 @@ Cube Cube::octant(std::size_t octant) const noexcept {
   return {middle + half / 2 * octant_direction(octant), half / 2};
 }
 
-double Candidates::distance() const noexcept {
+double CandidatesOfKind::distance() const noexcept {
   return triangles.empty() ? std::numeric_limits<double>::infinity() : triangles.front().distance;
-}
-
-double Candidates::clearance() const noexcept {
-  return caps.empty() ? distance() : std::min(distance(), caps.front().distance);
 }
 
 std::array<Candidates, 8> candidates_in_octants(const LatticeSurface& surface,
@@ -136,8 +155,9 @@ std::array<Candidates, 8> candidates_in_octants(const LatticeSurface& surface,
   for (Near& octant : near) octant.clear();
   std::array<double, 8> nearest;
   nearest.fill(std::numeric_limits<double>::infinity());
-  add_near(surface, around.triangles, cube, &Near::triangles, nearest, near);
-  add_near(surface, around.caps, cube, &Near::caps, nearest, near);
+  add_near(surface, around.solids.triangles, cube, &Near::solids, nearest, near);
+  for (double& distance : nearest) distance += surface.sheet_thickness;
+  add_near(surface, around.sheets.triangles, cube, &Near::sheets, nearest, near);
   std::array<Candidates, 8> found;
   for (std::size_t octant = 0; octant < 8; ++octant) {
     found[octant] = narrowed(surface, cube.octant(octant), near[octant]);
@@ -149,7 +169,7 @@ Candidates candidates_of(const LatticeSurface& surface, const std::vector<std::u
                          const Cube& cube) {
   Near near;
   for (const std::uint32_t triangle : triangles) {
-    auto& kind = surface.triangles[triangle].cap ? near.caps : near.triangles;
+    auto& kind = surface.triangles[triangle].sheet ? near.sheets : near.solids;
     kind.push_back(seen_from(surface, triangle, cube.middle));
   }
   return narrowed(surface, cube, near);
@@ -164,8 +184,8 @@ Candidates nearest_in_parts(const LatticeSurface& surface, const Candidates& can
     if (levels > 1) {
       within = nearest_in_parts(surface, within, cube.octant(octant), levels - 1);
     }
-    for (const auto* kind : {&within.triangles, &within.caps}) {
-      for (const Candidate& candidate : *kind) kept.push_back(candidate.triangle);
+    for (const auto* kind : {&within.solids, &within.sheets}) {
+      for (const Candidate& candidate : kind->triangles) kept.push_back(candidate.triangle);
     }
   }
   std::sort(kept.begin(), kept.end());
@@ -173,8 +193,8 @@ Candidates nearest_in_parts(const LatticeSurface& surface, const Candidates& can
   const auto gone = [&kept](const Candidate& candidate) {
     return !std::binary_search(kept.begin(), kept.end(), candidate.triangle);
   };
-  std::erase_if(found.triangles, gone);
-  std::erase_if(found.caps, gone);
+  std::erase_if(found.solids.triangles, gone);
+  std::erase_if(found.sheets.triangles, gone);
   return found;
 }
 
@@ -188,23 +208,19 @@ void NearestPart::meet(const LatticeTriangle& other, const Vector3& point) {
   triangle = &other;
 }
 
-bool NearestPart::is_inside(const Caster& caster, const Vector3& point) const {
-  if (triangle == nullptr) return false;
-  if (triangle->open) return caster.closest(point).distance < 0;
-  return spm::is_inside(triangle->sides, closest.feature,
-                        triangle->normal.dot(point - closest.point));
+bool NearestPart::is_inside(const Vector3& point) const {
+  return triangle != nullptr && spm::is_inside(triangle->sides, closest.feature,
+                                               triangle->normal.dot(point - closest.point));
 }
 
-bool is_middle_inside(const LatticeSurface& surface, const Caster& caster,
-                      const Candidates& candidates, const Cube& cube) {
+bool is_middle_inside(const LatticeSurface& surface, const Candidates& candidates,
+                      const Cube& cube) {
   NearestPart nearest;
-  for (const auto* kind : {&candidates.triangles, &candidates.caps}) {
-    for (const Candidate& candidate : *kind) {
-      if (candidate.distance - slack > nearest.distance) break;
-      nearest.meet(surface.triangles[candidate.triangle], cube.middle);
-    }
+  for (const Candidate& candidate : candidates.solids.triangles) {
+    if (candidate.distance - slack > nearest.distance) break;
+    nearest.meet(surface.triangles[candidate.triangle], cube.middle);
   }
-  return nearest.is_inside(caster, cube.middle);
+  return nearest.is_inside(cube.middle);
 }
 
 }  // namespace spm::baker

@@ -37,15 +37,28 @@ struct Witness {
   CornerValues distances;
 };
 
-/// All triangles that may be the nearest of the surface to some place of a cube; and of the caps
-/// those that may be nearer than all of the surface.
-struct Candidates {
-  std::vector<Candidate> triangles;  ///< of the surface, the nearest to the middle first
-  std::vector<Candidate> caps;       ///< likewise
-  std::vector<Witness> witnesses;    ///< some of the nearest triangles, where there are many
-  /// Unsigned distances of the middle, m; infinite where there is none.
+/// Triangles of solids, or of sheets, that may be the nearest to some place of a cube.
+struct CandidatesOfKind {
+  std::vector<Candidate> triangles;  ///< the nearest to the middle first
+  std::vector<Witness> witnesses;    ///< some of the nearest, where there are many
+  /// m, the unsigned distance of the middle; infinite where there is none.
   [[nodiscard]] double distance() const noexcept;
-  [[nodiscard]] double clearance() const noexcept;  ///< of surface and caps
+};
+
+/// All triangles that may decide the distance at some place of a cube.
+struct Candidates {
+  CandidatesOfKind solids, sheets;
+
+  [[nodiscard]] std::size_t size() const noexcept {
+    return solids.triangles.size() + sheets.triangles.size();
+  }
+  [[nodiscard]] bool mixed() const noexcept {
+    return !solids.triangles.empty() && !sheets.triangles.empty();
+  }
+  /// The kind of which there are some, where they are not mixed.
+  [[nodiscard]] const CandidatesOfKind& only_kind() const noexcept {
+    return sheets.triangles.empty() ? solids : sheets;
+  }
 };
 
 /// The candidates of a cube's octants among those of the cube, or of a cube among the given
@@ -63,20 +76,18 @@ struct Candidates {
                                           const Candidates& candidates, const Cube& cube,
                                           int levels);
 
-/// The part of the surface or of a cap that is nearest to a point, of the triangles met.
+/// The part of the surface that is nearest to a point, of the triangles met.
 struct NearestPart {
   const LatticeTriangle* triangle = nullptr;
   ClosestFeature closest;
   double distance = std::numeric_limits<double>::infinity();  ///< m
 
   void meet(const LatticeTriangle& other, const Vector3& point);
-  /// Whether the point is inside; by the caster where the triangle is open.
-  [[nodiscard]] bool is_inside(const Caster& caster, const Vector3& point) const;
+  [[nodiscard]] bool is_inside(const Vector3& point) const;  ///< of the solids
 };
 
-/// Whether the middle of a cube is inside, by the cube's candidates, which must be some; by the
-/// caster where the nearest one is open.
-[[nodiscard]] bool is_middle_inside(const LatticeSurface& surface, const Caster& caster,
-                                    const Candidates& candidates, const Cube& cube);
+/// Whether the middle of a cube is inside a solid, by the cube's candidates.
+[[nodiscard]] bool is_middle_inside(const LatticeSurface& surface, const Candidates& candidates,
+                                    const Cube& cube);
 
 }  // namespace spm::baker

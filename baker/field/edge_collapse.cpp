@@ -121,7 +121,7 @@ class EdgeCollapse {
     thread_local std::vector<std::uint32_t> near;
     caster_.within(vertices_[vertex], reach + clear_displacements * rules_.displacement, near);
     return std::all_of(near.begin(), near.end(), [&](std::uint32_t t) {
-      return !caster_.is_cap(t) && caster_.normal(t).dot(patch->normal()) > one_way_cosine;
+      return !caster_.is_sheet(t) && caster_.normal(t).dot(patch->normal()) > one_way_cosine;
     });
   }
 

@@ -250,14 +250,14 @@ class Neighbours {
       if (way < least_displacements * displacement) break;
       const Vector3 there = place + way * away;
       const ClosestPoint closest = asked_.solid.closest(there);
-      const double off = std::abs(closest.clearance - way);
+      const double off = std::abs(std::abs(closest.solid) - way);
       if (off > displacement + blurred_away * way) continue;
       // Another sheet of the solid may be nearer by so much.
       if (off > surely_nearest * way &&
-          asked_.surface.closest(there).clearance < (1 - blurred_away) * way - rounding) {
+          std::abs(asked_.surface.closest(there).solid) < (1 - blurred_away) * way - rounding) {
         continue;
       }
-      return closest.distance < 0;
+      return closest.solid < 0;
     }
     return std::nullopt;
   }

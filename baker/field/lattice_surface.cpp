@@ -4,13 +4,13 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <utility>
 
 #include "baker/field/edge_collapse.hpp"
 #include "baker/field/feature_sides.hpp"
 #include "baker/field/sliver_removal.hpp"
 #include "baker/field/triangle_height.hpp"
-#include "baker/field/triangle_sides.hpp"
 #include "common/field/indexed_triangles.hpp"
 
 namespace spm::baker {
@@ -54,28 +54,14 @@ Vector3 place_of(const LatticePoint& steps, const Vector3& origin, double step) 
   return origin + step * Vector3(steps[0], steps[1], steps[2]);
 }
 
-/// Marks triangles of the surface with a side that is not paired or a corner on one.
-void mark_open(LatticeSurface& lattice) {
-  const OuterSurface& surface = lattice.surface;
-  const TriangleSides sides(std::span(surface.triangles).first(surface.surface_count));
-  std::vector<bool> border(surface.vertices.size(), false);
-  for (std::size_t side = 0; side < sides.count(); ++side) {
-    int ways = 0;
-    std::uint32_t a = 0, b = 0;
-    for (const std::uint32_t number : sides.uses(side)) {
-      const auto [t, k] = TriangleSides::use(number);
-      a = surface.triangles[t][k];
-      b = surface.triangles[t][(k + 1) % 3];
-      ways += a < b ? 1 : -1;
-    }
-    if (ways != 0) border[a] = border[b] = true;
+/// Of places nearest to a sheet, all are outside.
+constexpr FeatureSides all_outside = [] {
+  unsigned sides = 0;
+  for (unsigned part = 0; part < 7; ++part) {
+    sides |= pack_side(static_cast<TriangleFeature>(part), FeatureSide::outside);
   }
-  for (std::size_t t = 0; t < surface.surface_count; ++t) {
-    for (const std::uint32_t corner : surface.triangles[t]) {
-      lattice.triangles[t].open = lattice.triangles[t].open || border[corner];
-    }
-  }
-}
+  return static_cast<FeatureSides>(sides);
+}();
 
 /// Turns a triangle so that its first side is the shortest.
 void turn(LatticeTriangle& triangle, std::size_t by) {
@@ -130,7 +116,7 @@ std::vector<LatticePoint> round_vertices(const OuterSurface& surface, LatticeSur
 void add_triangle(const LooseTriangle& loose, const std::vector<LatticePoint>& vertices,
                   LatticeSurface& lattice) {
   LatticeTriangle triangle;
-  triangle.cap = loose.cap;
+  triangle.sheet = loose.sheet;
   triangle.bare = loose.bare;
   for (std::size_t k = 0; k < 3; ++k) {
     triangle.steps[k] = vertices[loose.corners[k]];
@@ -141,7 +127,7 @@ void add_triangle(const LooseTriangle& loose, const std::vector<LatticePoint>& v
   if (cross.norm() > 0) triangle.normal = cross.normalized();
   triangle.thin = needs_doubles(triangle.corners, lattice.step);
   lattice.surface.triangles.push_back(loose.corners);
-  lattice.surface.surface_count += loose.cap ? 0 : 1;
+  lattice.surface.solid_count += loose.sheet ? 0 : 1;
   lattice.triangles.push_back(triangle);
 }
 
@@ -165,7 +151,8 @@ LatticeSurface round_to_lattice(const OuterSurface& surface, const Caster& caste
   }
   std::vector<LooseTriangle> loose;
   for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
-    loose.push_back({surface.triangles[t], t >= surface.surface_count, t < bare.size() && bare[t]});
+    const bool sheet = t >= surface.solid_count;
+    loose.push_back({surface.triangles[t], sheet, sheet || (t < bare.size() && bare[t])});
   }
   const double thin = sliver_steps * lattice.step;
   lattice.displacement +=
@@ -183,15 +170,25 @@ LatticeSurface round_to_lattice(const OuterSurface& surface, const Caster& caste
     moved.clear();
   }
   for (const LooseTriangle& triangle : loose) add_triangle(triangle, vertices, lattice);
-  mark_open(lattice);
-  lattice.caster = std::make_unique<Caster>(lattice.surface);
-  const std::vector<bool> folded = find_folded(lattice.surface.triangles);
+  lattice.sheet_thickness = caster.sheet_thickness();
+  lattice.caster = std::make_unique<Caster>(lattice.surface, lattice.sheet_thickness);
+  // Sides are those of solids, beside which sheets are in the way.
+  const OuterSurface solids = solids_of(lattice.surface);
+  std::optional<Caster> exact_solids, rounded_solids;
+  if (lattice.surface.has_sheets()) {
+    exact_solids.emplace(solids_of(surface));
+    rounded_solids.emplace(solids);
+  }
+  const std::vector<bool> folded = find_folded(solids.triangles);
   const std::vector<FeatureSides> sides = find_feature_sides(
-      lattice.surface, folded, {caster, *lattice.caster, tolerance, still, thin, moved});
-  for (std::size_t t = 0; t < sides.size(); ++t) {
-    lattice.triangles[t].sides = sides[t];
-    lattice.triangles[t].folded = folded[t];
-    turn(lattice.triangles[t], shortest_side(lattice.triangles[t].corners));
+      solids, folded,
+      {exact_solids ? *exact_solids : caster, rounded_solids ? *rounded_solids : *lattice.caster,
+       tolerance, still, thin, moved});
+  for (std::size_t t = 0; t < lattice.triangles.size(); ++t) {
+    LatticeTriangle& triangle = lattice.triangles[t];
+    triangle.sides = triangle.sheet ? all_outside : sides[t];
+    triangle.folded = !triangle.sheet && folded[t];
+    turn(triangle, shortest_side(triangle.corners));
   }
   return lattice;
 }

@@ -20,11 +20,10 @@ struct LatticeTriangle {
   Vector3 normal = Vector3::Zero();     ///< unit; 0 where there is no area
   FeatureSides sides = 0;               ///< of places that are nearest to its sides and corners
   std::array<LatticePoint, 3> steps{};  ///< the corners, lattice steps from the origin
-  bool cap = false;
+  bool sheet = false;
   bool bare = false;    ///< no tile shows it
   bool thin = false;    ///< too thin for single precision
   bool folded = false;  ///< another lies on it and faces the other way
-  bool open = false;    ///< has a side that is not paired, or a corner on one
 };
 
 /// The outer surface with its corners rounded to one lattice, so that what shares a corner shares
@@ -32,10 +31,11 @@ struct LatticeTriangle {
 struct LatticeSurface {
   Vector3 origin = Vector3::Zero();
   double step = 1;                         ///< m, a power of two
-  std::vector<LatticeTriangle> triangles;  ///< surface, then caps
+  std::vector<LatticeTriangle> triangles;  ///< of solids, then of sheets
   OuterSurface surface;                    ///< the same triangles
   /// m: distances to this surface are those to the outer surface within this.
   double displacement = 0;
+  double sheet_thickness = 0;      ///< m; 0 where there are no sheets
   std::unique_ptr<Caster> caster;  ///< over `surface`
 };
 

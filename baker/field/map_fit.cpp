@@ -187,7 +187,7 @@ std::vector<bool> by_direction(const std::vector<CubeSample>& samples,
 /// The triangles that are nearest to eight places, the corners of a cube about the middle `place`
 /// of another one, in halves of its edge: their numbers among its candidates.
 std::array<std::size_t, 8> nearest_to_corners(const LatticeSurface& surface,
-                                              const Candidates& candidates, const Cube& cube,
+                                              const CandidatesOfKind& candidates, const Cube& cube,
                                               const Vector3& place) {
   const Vector3 offset = cube.half * place, middle = cube.middle + offset;
   const double half = cube.half * sample_half, way = offset.norm() + std::sqrt(3.0) * half;
@@ -217,9 +217,10 @@ std::array<std::size_t, 8> nearest_to_corners(const LatticeSurface& surface,
 
 }  // namespace
 
-std::vector<CubeSample> sample_cube(const LatticeSurface& surface, const Caster& caster,
-                                    const Candidates& candidates, const Cube& cube,
-                                    std::optional<bool> inside) {
+std::vector<CubeSample> sample_cube(const LatticeSurface& surface, const Candidates& all,
+                                    const Cube& cube, std::optional<bool> inside) {
+  const CandidatesOfKind& candidates = all.only_kind();
+  const double felt = all.sheets.triangles.empty() ? 0 : surface.sheet_thickness;
   std::vector<CubeSample> samples(std::size_t{nodes} * nodes * nodes);
   for (std::size_t block = 0; block < 8; ++block) {
     const Vector3 middle = sample_middle * octant_direction(block);
@@ -236,10 +237,11 @@ std::vector<CubeSample> sample_cube(const LatticeSurface& surface, const Caster&
       if (!candidates.triangles.empty()) {
         part.meet(surface.triangles[candidates.triangles[nearest[k]].triangle], point);
       }
-      const bool within = inside ? *inside : part.is_inside(caster, point);
-      sample.distance = within ? -part.distance : part.distance;
+      const bool within = inside ? *inside : part.is_inside(point);
+      const double distance = within ? -part.distance : part.distance;
+      sample.distance = distance - felt;
       if (part.distance > 0) {
-        sample.gradient = (point - part.closest.point) / sample.distance;
+        sample.gradient = (point - part.closest.point) / distance;
       } else if (part.triangle != nullptr) {
         sample.gradient = part.triangle->normal;
       }

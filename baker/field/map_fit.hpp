@@ -37,9 +37,8 @@ struct FittedMaps {
 };
 
 /// Samples of the signed distance over a cube, from its candidates. `inside` is the side of the
-/// whole cube; where it is empty the surface or a cap passes, and each sample finds its own.
+/// whole cube; where it is empty the surface passes, and each sample finds its own.
 [[nodiscard]] std::vector<CubeSample> sample_cube(const LatticeSurface& surface,
-                                                  const Caster& caster,
                                                   const Candidates& candidates, const Cube& cube,
                                                   std::optional<bool> inside);
 

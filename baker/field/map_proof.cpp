@@ -79,10 +79,9 @@ enum class Verdict { holds, refuted, open };
 
 class Proof {
  public:
-  Proof(const LatticeSurface& surface, const Caster& caster, const Band& band, double tolerance,
-        OctreeKind kind, std::vector<Quadratic> maps)
+  Proof(const LatticeSurface& surface, const Band& band, double tolerance, OctreeKind kind,
+        std::vector<Quadratic> maps)
       : surface_(surface),
-        caster_(caster),
         band_(band),
         tolerance_(tolerance),
         kind_(kind),
@@ -91,8 +90,8 @@ class Proof {
   bool holds(const Candidates& candidates, const Cube& cube, std::optional<bool> inside,
              int divisions) {
     if (++cubes_ > max_cubes) return false;
-    if (!inside && candidates.clearance() > cube.radius() + rounding) {
-      inside = is_middle_inside(surface_, caster_, candidates, cube);
+    if (!inside && candidates.solids.distance() > cube.radius() + rounding) {
+      inside = is_middle_inside(surface_, candidates, cube);
     }
     switch (judge(candidates, cube, inside)) {
       case Verdict::holds:
@@ -112,7 +111,6 @@ class Proof {
 
  private:
   const LatticeSurface& surface_;
-  const Caster& caster_;
   Band band_;
   double tolerance_;
   OctreeKind kind_;
@@ -120,8 +118,8 @@ class Proof {
   int cubes_ = 0;
 
   Verdict judge(const Candidates& candidates, const Cube& cube, std::optional<bool> inside) const {
-    const double distance = candidates.distance();
-    const bool side = inside ? *inside : is_middle_inside(surface_, caster_, candidates, cube);
+    const double distance = candidates.only_kind().distance() - felt(candidates);
+    const bool side = inside ? *inside : is_middle_inside(surface_, candidates, cube);
     const double truth = side ? -distance : distance;
     std::array<Quadratic, 2> maps;
     std::array<Interval, 2> off;
@@ -156,6 +154,11 @@ class Proof {
     return off.low >= -tolerance_ && off.high <= tolerance_;
   }
 
+  /// m: what is felt of sheets is so much nearer than they are. Of solids nothing.
+  [[nodiscard]] double felt(const Candidates& candidates) const {
+    return candidates.sheets.triangles.empty() ? 0 : surface_.sheet_thickness;
+  }
+
   /// Whether what a place is told, m, refutes the maps, so that dividing further is in vain.
   [[nodiscard]] bool is_off(double told, double truth) const {
     const auto in_band = [&](double d) { return std::clamp(d, -band_.max_depth, band_.margin); };
@@ -173,20 +176,20 @@ class Proof {
   /// The gradient of the distance lies in the cone of the normals of the candidates: the normal of
   /// a facet, and at an edge or corner one between those of the facets around it. So map less
   /// distance changes from the middle on at most by the largest difference of gradients, axis by
-  /// axis, times half the edge. Holds across the surface, but not at caps and open edges.
+  /// axis, times half the edge. Holds across the surface, but not at sheets.
   Interval by_directions(const Candidates& candidates, const Cube& cube, const Quadratic& map,
                          double truth) const {
     Vector3 axis = Vector3::Zero();
-    if (!candidates.caps.empty()) return {};
-    for (const Candidate& candidate : candidates.triangles) {
+    if (!candidates.sheets.triangles.empty()) return {};
+    for (const Candidate& candidate : candidates.solids.triangles) {
       const LatticeTriangle& triangle = surface_.triangles[candidate.triangle];
-      if (triangle.open || triangle.folded) return {};
+      if (triangle.folded) return {};
       axis += triangle.normal;
     }
     if (!(axis.norm() > 0)) return {};
     axis.normalize();
     double cosine = 1, most = 0;
-    for (const Candidate& candidate : candidates.triangles) {
+    for (const Candidate& candidate : candidates.solids.triangles) {
       const Vector3& normal = surface_.triangles[candidate.triangle].normal;
       if (normal == Vector3::Zero()) continue;
       cosine = std::min(cosine, axis.dot(normal));
@@ -216,9 +219,9 @@ class Proof {
       rise[k] = most_rise(maps[k], cube.half);
     }
     double high = -std::numeric_limits<double>::infinity();
-    for (const Candidate& candidate : candidates.triangles) {
+    for (const Candidate& candidate : candidates.only_kind().triangles) {
       for (std::size_t k = 0; k < maps_.size(); ++k) {
-        over[k] = maps[k].value - candidate.distance + rise[k] +
+        over[k] = maps[k].value - (candidate.distance - felt(candidates)) + rise[k] +
                   cube.half * (maps[k].gradient - candidate.tangent).lpNorm<1>();
       }
       high = std::max(high, of_both(over[0], over[1], inside));
@@ -239,10 +242,11 @@ class Proof {
   }
 
   /// A bound from below of map less unsigned distance, by the values of candidates at the corners.
-  double least_over(const Candidates& candidates, const Cube& cube, const Quadratic& map) const {
+  double least_over(const Candidates& all, const Cube& cube, const Quadratic& map) const {
+    const CandidatesOfKind& candidates = all.only_kind();
     double bulge = 0;
     for (int i = 0; i < 3; ++i) bulge += cube.half * cube.half * std::max(0.0, map.bend(i, i));
-    const CornerValues told = at_corners(map, cube.half);
+    const CornerValues told = at_corners(map, cube.half) + felt(all);
     double low = -std::numeric_limits<double>::infinity();
     const auto bound_by = [&](const CornerValues& distances) {
       low = std::max(low, (told - distances).minCoeff() - bulge);
@@ -260,14 +264,14 @@ class Proof {
 
 }  // namespace
 
-bool prove_maps(const LatticeSurface& surface, const Caster& caster, const Candidates& candidates,
-                const Cube& cube, std::optional<bool> inside, const FittedMaps& fitted,
+bool prove_maps(const LatticeSurface& surface, const Candidates& candidates, const Cube& cube,
+                std::optional<bool> inside, const FittedMaps& fitted,
                 std::span<const SupportPlane> planes, const Band& band, double tolerance) {
   std::vector<Quadratic> maps;
   for (const LocalMap& map : fitted.maps) {
     maps.push_back(along_axes(map, planes[map.plane], cube));
   }
-  return Proof(surface, caster, band, tolerance, fitted.kind, std::move(maps))
+  return Proof(surface, band, tolerance, fitted.kind, std::move(maps))
       .holds(candidates, cube, inside, 0);
 }
 

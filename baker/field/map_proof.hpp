@@ -19,10 +19,9 @@ inline constexpr double beyond_share = 0.75;
 /// as far beyond the margin as beyond_share promises, within the tolerance. By bounds over cubes
 /// that are divided further and further; by no sample. `inside` is the side of the whole cube,
 /// empty where the surface passes. False where it is not so, or where so many cubes do not suffice.
-[[nodiscard]] bool prove_maps(const LatticeSurface& surface, const Caster& caster,
-                              const Candidates& candidates, const Cube& cube,
-                              std::optional<bool> inside, const FittedMaps& fitted,
-                              std::span<const SupportPlane> planes, const Band& band,
-                              double tolerance);
+[[nodiscard]] bool prove_maps(const LatticeSurface& surface, const Candidates& candidates,
+                              const Cube& cube, std::optional<bool> inside,
+                              const FittedMaps& fitted, std::span<const SupportPlane> planes,
+                              const Band& band, double tolerance);
 
 }  // namespace spm::baker

@@ -47,13 +47,16 @@ class Builder {
     OctreeNode node;
     node.cube = cube;
     const ClosestPoint closest = caster_.closest(cube.middle);
-    const double distance = std::abs(closest.distance);
     std::vector<std::uint32_t> triangles;
     std::optional<bool> inside;
-    if (closest.clearance > cube.radius()) inside = closest.distance < 0;
-    const bool beyond = decided(node, closest.distance, closest.clearance, closest.direction);
+    if (std::abs(closest.solid) > cube.radius()) inside = closest.solid < 0;
+    const bool beyond = decided(node, closest.distance, closest.direction);
     if (beyond && surface_.triangles.size() > worth_a_look) return node;
-    caster_.within(cube.middle, distance + 2 * cube.radius(), triangles);
+    double around = std::abs(closest.distance) + 2 * cube.radius();
+    // What is felt may be nearer than the middle of a sheet, and a sheet than a solid by rounding.
+    if (surface_.sheet_thickness > 0)
+      around += 2 * (surface_.sheet_thickness + surface_.displacement);
+    caster_.within(cube.middle, around, triangles);
     const Candidates candidates = candidates_of(surface_, triangles, cube);
     keep_few(node, candidates, inside);
     if (!beyond) answer(node, candidates, inside, 0);
@@ -68,8 +71,8 @@ class Builder {
   /// Divides a short list once.
   void divide_list(OctreeNode& node) const {
     const Candidates candidates = candidates_of(surface_, *node.few, node.cube);
-    node.triangles.clear();
-    node.caps.clear();
+    node.solids.clear();
+    node.sheets.clear();
     divide_in_octants(node, candidates, node.inside, level_of(node.cube));
   }
 
@@ -86,17 +89,15 @@ class Builder {
            static_cast<int>(std::lround(std::log2(2 * cube.half / rules_.smallest_edge)));
   }
 
-  /// Far, deep and pruned cubes. `distance` is signed.
-  bool decided(OctreeNode& node, double distance, double clearance,
-               const Vector3& direction) const {
+  /// Far, deep and pruned cubes. `distance`, of the middle, is signed.
+  bool decided(OctreeNode& node, double distance, const Vector3& direction) const {
     const double reach = node.cube.radius();
-    const bool one_sided = clearance > reach;
-    if (one_sided && distance - reach > rules_.band.margin) {
+    if (distance - reach > rules_.band.margin) {
       node.kind = OctreeKind::far;
-      node.clearance = std::min(distance, clearance);
+      node.clearance = distance;
       return true;
     }
-    if (one_sided && -distance - reach > rules_.band.max_depth) {
+    if (-distance - reach > rules_.band.max_depth) {
       node.kind = OctreeKind::deep;
       node.words = {pack_octahedral(direction), 0};
       return true;
@@ -110,17 +111,25 @@ class Builder {
   /// Decides what a cube below another one is.
   void decide(OctreeNode& node, const Candidates& candidates, std::optional<bool> inside,
               int level) const {
-    if (!inside && candidates.clearance() > node.cube.radius()) {
-      inside = is_middle_inside(surface_, caster_, candidates, node.cube);
+    if (!inside && candidates.solids.distance() > node.cube.radius()) {
+      inside = is_middle_inside(surface_, candidates, node.cube);
     }
     keep_few(node, candidates, inside);
+    double distance = 0;
+    Vector3 direction = Vector3::UnitZ();
     if (inside) {
       const double sign = *inside ? -1 : 1;
-      const Vector3 direction = sign * candidates.triangles.front().tangent;
-      if (decided(node, sign * candidates.distance(), candidates.clearance(), direction)) return;
-    } else if (decided(node, 0, 0, Vector3::UnitZ())) {
-      return;
+      distance = sign * candidates.solids.distance();
+      if (!candidates.solids.triangles.empty()) {
+        direction = sign * candidates.solids.triangles.front().tangent;
+      }
+      const double sheet = candidates.sheets.distance() - surface_.sheet_thickness;
+      if (sheet < distance) {
+        distance = sheet;
+        direction = candidates.sheets.triangles.front().tangent;
+      }
     }
+    if (decided(node, distance, direction)) return;
     answer(node, candidates, inside, level);
   }
 
@@ -128,10 +137,10 @@ class Builder {
   void answer(OctreeNode& node, const Candidates& candidates, std::optional<bool> inside,
               int level) const {
     if (fits(node, candidates, inside)) return;
-    if (level == rules_.levels || can_be_list(surface_, node)) {
+    if (level == rules_.levels || node.few) {
       Candidates least = nearest_in_parts(surface_, candidates, node.cube, 1);
       // Another packet takes as long as a first one.
-      if (level == rules_.levels && least.triangles.size() > packet_size) {
+      if (level == rules_.levels && least.size() > packet_size) {
         least = nearest_in_parts(surface_, least, node.cube, 2);
       }
       keep_few(node, least, inside);
@@ -158,26 +167,25 @@ class Builder {
   /// Remembers the candidates where they are few.
   static void keep_few(OctreeNode& node, const Candidates& candidates, std::optional<bool> inside) {
     node.inside = inside;
-    if (candidates.triangles.size() + candidates.caps.size() > few_triangles) {
+    if (candidates.size() > few_triangles) {
       node.few.reset();
       return;
     }
     std::vector<std::uint32_t> few;
-    for (const auto* part : {&candidates.triangles, &candidates.caps}) {
-      for (const Candidate& candidate : *part) few.push_back(candidate.triangle);
+    for (const auto* kind : {&candidates.solids, &candidates.sheets}) {
+      for (const Candidate& candidate : kind->triangles) few.push_back(candidate.triangle);
     }
     node.few = std::move(few);
   }
 
   /// Whether one polynomial, or two, answer within the tolerance everywhere in the cube.
   bool fits(OctreeNode& node, const Candidates& candidates, std::optional<bool> inside) const {
-    if (!candidates.caps.empty()) return false;
-    const std::vector<CubeSample> samples =
-        sample_cube(surface_, caster_, candidates, node.cube, inside);
+    if (candidates.mixed()) return false;
+    const std::vector<CubeSample> samples = sample_cube(surface_, candidates, node.cube, inside);
     for (const auto& fit : {fit_one, fit_two}) {
       const std::optional<FittedMaps> fitted = fit(samples, node.cube, fit_);
-      if (!fitted || !prove_maps(surface_, caster_, candidates, node.cube, inside, *fitted,
-                                 fit_.planes, rules_.band, rules_.tolerance)) {
+      if (!fitted || !prove_maps(surface_, candidates, node.cube, inside, *fitted, fit_.planes,
+                                 rules_.band, rules_.tolerance)) {
         continue;
       }
       node.kind = fitted->kind;
@@ -200,8 +208,8 @@ class Builder {
         to.push_back({candidate.triangle, std::max(0.0, candidate.distance - falls)});
       }
     };
-    listed(candidates.triangles, node.triangles);
-    if (!inside) listed(candidates.caps, node.caps);
+    listed(candidates.solids.triangles, node.solids);
+    listed(candidates.sheets.triangles, node.sheets);
   }
 };
 
@@ -254,7 +262,7 @@ BuiltOctree build_octree(const LatticeSurface& surface, const Caster& caster,
   BuiltOctree built;
   OctreeData& data = built.data;
   data.edge = std::ldexp(rules.smallest_edge, rules.levels);
-  const double around = rules.band.margin + rules.tolerance;
+  const double around = rules.band.margin + rules.tolerance + surface.sheet_thickness;
   Vector3 low = Vector3::Constant(std::numeric_limits<double>::max()), high = -low;
   for (const LatticeTriangle& triangle : surface.triangles) {
     for (const Vector3& corner : triangle.corners) {
@@ -268,7 +276,8 @@ BuiltOctree build_octree(const LatticeSurface& surface, const Caster& caster,
         std::ceil((high[axis] + around - data.origin[axis]) / data.edge));
   }
   const double root_radius = std::sqrt(3.0) * data.edge / 2;
-  data.reach = std::max(rules.band.max_depth, rules.band.margin) + 2 * root_radius;
+  data.reach =
+      std::max(rules.band.max_depth, rules.band.margin) + 2 * root_radius + surface.sheet_thickness;
   data.value_unit = data.reach / 32000;
   data.clearance_unit = caster.diagonal() / 1e6;
   data.beyond_share = beyond_share;

@@ -24,17 +24,17 @@ struct ListedCandidate {
 struct OctreeNode {
   OctreeKind kind = OctreeKind::far;
   Cube cube;
-  std::vector<std::uint32_t> words;        ///< of polynomials and of deep cubes
-  double clearance = 0;                    ///< of a far one's middle, m
-  std::vector<ListedCandidate> triangles;  ///< of a list, without caps
-  std::vector<ListedCandidate> caps;       ///< of a list
-  ListSide side = ListSide::surface;       ///< of a list
-  PruneRule rule = PruneRule::none;        ///< of a pruned cube
+  std::vector<std::uint32_t> words;     ///< of polynomials and of deep cubes
+  double clearance = 0;                 ///< of a far one's middle, m
+  std::vector<ListedCandidate> solids;  ///< triangles of a list
+  std::vector<ListedCandidate> sheets;  ///< likewise
+  ListSide side = ListSide::surface;    ///< of a list
+  PruneRule rule = PruneRule::none;     ///< of a pruned cube
   std::unique_ptr<std::array<OctreeNode, 8>> octants;
-  /// All that may be the nearest to some place of the cube, surface and caps, by number; nothing
+  /// All that may be the nearest to some place of the cube, by number; nothing
   /// where these are more than `few_triangles`, or not known.
   std::optional<std::vector<std::uint32_t>> few;
-  std::optional<bool> inside;  ///< where the surface and caps do not cut the cube
+  std::optional<bool> inside;  ///< where no solid cuts the cube
   bool as_list = false;        ///< a split cube that is better a list (make_lists)
 };
 

@@ -31,7 +31,7 @@ struct Cost {
 constexpr double unit_bytes = 8, root_bytes = 4;
 
 Cost cost_of_list(std::size_t triangles, const Cube& cube, int level) {
-  const TriangleList list{.surface = static_cast<std::uint32_t>(triangles)};
+  const TriangleList list{.solids = static_cast<std::uint32_t>(triangles)};
   const double time = list_time + packet_time * static_cast<double>(list.packets());
   return {.bytes = unit_bytes + 4 * static_cast<double>(list.word_count()),
           .time = cube.volume() * (time + level_time * level)};
@@ -39,7 +39,7 @@ Cost cost_of_list(std::size_t triangles, const Cube& cube, int level) {
 
 Cost cost_of_leaf(const OctreeNode& node, int level) {
   if (node.kind == OctreeKind::list) {
-    return cost_of_list(node.triangles.size() + node.caps.size(), node.cube, level);
+    return cost_of_list(node.solids.size() + node.sheets.size(), node.cube, level);
   }
   Cost cost;
   cost.bytes = unit_bytes * units_of(node.kind);
@@ -74,7 +74,7 @@ class Pruning {
     Cost split{.bytes = unit_bytes, .time = 0};
     for (OctreeNode& octant : *node.octants) split += prune(octant, level + 1);
     node.as_list = false;
-    if (!can_be_list(surface_, node)) return split;
+    if (!node.few) return split;
     const Cost list = cost_of_list(node.few->size(), node.cube, level);
     node.as_list = weighed(list) < weighed(split);
     return node.as_list ? list : split;
@@ -152,7 +152,7 @@ void mark_used(const OctreeNode& node, std::vector<bool>& used) {
   } else if (node.octants) {
     for (const OctreeNode& octant : *node.octants) mark_used(octant, used);
   } else {
-    for (const auto* listed : {&node.triangles, &node.caps}) {
+    for (const auto* listed : {&node.solids, &node.sheets}) {
       for (const ListedCandidate& candidate : *listed) used[candidate.triangle] = true;
     }
   }
@@ -168,24 +168,13 @@ void make_lists_in(const LatticeSurface& surface, OctreeNode& node) {
   node.kind = OctreeKind::list;
   node.side = side_of(node.inside);
   for (const std::uint32_t triangle : *node.few) {
-    const bool cap = surface.triangles[triangle].cap;
     // Lists of few triangles have no bounds.
-    if (!cap || !node.inside) (cap ? node.caps : node.triangles).push_back({triangle, 0});
+    (surface.triangles[triangle].sheet ? node.sheets : node.solids).push_back({triangle, 0});
   }
   node.octants.reset();
 }
 
 }  // namespace
-
-bool can_be_list(const LatticeSurface& surface, const OctreeNode& node) {
-  if (!node.few) return false;
-  bool any = false, open = false;
-  for (const std::uint32_t triangle : *node.few) {
-    any = any || !surface.triangles[triangle].cap;
-    open = open || surface.triangles[triangle].open;
-  }
-  return any && (node.inside || !open);
-}
 
 double bytes_as_divided(const OctreeRoots& roots) {
   double bytes = root_bytes * static_cast<double>(roots.nodes.size());

@@ -20,10 +20,6 @@ struct OctreeRoots {
 /// Makes the root of a cube.
 using RootMaker = std::function<OctreeNode(const Cube&)>;
 
-/// Whether the triangles of a cube are few enough for a list that nobody would divide. Beside an
-/// open side a triangle does not know its side, so there cubes are divided to know theirs.
-[[nodiscard]] bool can_be_list(const LatticeSurface& surface, const OctreeNode& node);
-
 /// Bytes of the octree's words as it is, without what make_lists would make of it.
 [[nodiscard]] double bytes_as_divided(const OctreeRoots& roots);
 

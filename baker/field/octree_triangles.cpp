@@ -73,7 +73,7 @@ std::vector<std::uint32_t> write_triangles(const LatticeSurface& surface,
     }
     append(pack_three(of_triangle, triangle.thin), data.triangles);
     data.sides[number / 2] |=
-        pack_traits({.sides = triangle.sides, .bare = triangle.bare, .cap = triangle.cap})
+        pack_traits({.sides = triangle.sides, .bare = triangle.bare, .sheet = triangle.sheet})
         << 16U * (number % 2);
   }
   if (corners.size() > corner_mask) {

@@ -107,20 +107,20 @@ class Writer {
   }
 
   /// The words of a list (TriangleList).
-  static std::vector<std::uint32_t> words_of(std::vector<Listed> surface, std::vector<Listed> caps,
+  static std::vector<std::uint32_t> words_of(std::vector<Listed> solids, std::vector<Listed> sheets,
                                              std::uint32_t& word) {
-    TriangleList list{.surface = static_cast<std::uint32_t>(surface.size()),
-                      .caps = static_cast<std::uint32_t>(caps.size())};
+    TriangleList list{.solids = static_cast<std::uint32_t>(solids.size()),
+                      .sheets = static_cast<std::uint32_t>(sheets.size())};
     // In the order of numbers more lists are the same.
     if (!list.has_bounds()) {
-      for (auto* part : {&surface, &caps}) {
+      for (auto* part : {&solids, &sheets}) {
         for (Listed& listed : *part) listed.bound = 0;
       }
     }
-    std::sort(surface.begin(), surface.end());
-    std::sort(caps.begin(), caps.end());
+    std::sort(solids.begin(), solids.end());
+    std::sort(sheets.begin(), sheets.end());
     std::vector<std::uint32_t> numbers, bounds;
-    for (const auto* part : {&surface, &caps}) {
+    for (const auto* part : {&solids, &sheets}) {
       for (std::size_t k = 0; k < part->size(); ++k) {
         numbers.push_back((*part)[k].number);
         if (k % packet_size == 0) bounds.push_back((*part)[k].bound);
@@ -140,21 +140,21 @@ class Writer {
         words[list.number_words() + k / 4] |= bounds[k] << 8U * (k % 4);
       }
     }
-    word = list_word(list.surface, list.caps, ListSide::surface, list.wide);
+    word = list_word(list.solids, list.sheets, ListSide::surface, list.wide);
     return words;
   }
 
   std::uint32_t list_of(const OctreeNode& node, std::uint32_t& word) {
-    if (std::max(node.triangles.size(), node.caps.size()) > max_listed_surface) {
+    if (std::max(node.solids.size(), node.sheets.size()) > max_listed_of_kind) {
       throw BakeError(ExitCode::tolerance_not_met, "more than 16383 triangles meet in one place");
     }
     const std::vector<std::uint32_t> words =
-        words_of(entries_of(node.triangles), entries_of(node.caps), word);
+        words_of(entries_of(node.solids), entries_of(node.sheets), word);
     const auto first = static_cast<std::uint32_t>(data_.lists.size());
     const auto [found, fresh] = known_.emplace(std::pair(word, words), first);
     if (fresh) data_.lists.insert(data_.lists.end(), words.begin(), words.end());
     word |= list_word(0, 0, node.side, false);
-    built_.counts.listed_triangles += node.triangles.size() + node.caps.size();
+    built_.counts.listed_triangles += node.solids.size() + node.sheets.size();
     return found->second;
   }
 };

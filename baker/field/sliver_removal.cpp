@@ -12,7 +12,7 @@
 
 #include "baker/base/cube_bins.hpp"
 #include "baker/field/triangle_height.hpp"
-#include "baker/surface/join_vertices.hpp"
+#include "baker/mesh/join_vertices.hpp"
 
 namespace spm::baker {
 
@@ -228,7 +228,7 @@ double remove_slivers(const std::vector<Vector3>& vertices, double height,
     std::erase_if(triangles, [](const LooseTriangle& t) { return is_flat(t.corners); });
   }
   std::stable_partition(triangles.begin(), triangles.end(),
-                        [](const LooseTriangle& t) { return !t.cap; });
+                        [](const LooseTriangle& t) { return !t.sheet; });
   return displacement;
 }
 

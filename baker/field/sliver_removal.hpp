@@ -11,7 +11,7 @@ namespace spm::baker {
 /// A triangle on its way to the lattice.
 struct LooseTriangle {
   Triangle corners{};
-  bool cap = false;
+  bool sheet = false;
   bool bare = false;  ///< no tile shows it
 };
 

@@ -33,7 +33,7 @@ std::optional<VertexPatch> VertexPatch::around(std::uint32_t vertex,
   std::array<std::array<std::uint32_t, 2>, most> sides{};
   Vector3 normal = Vector3::Zero();
   for (std::size_t i = 0; i < star.size(); ++i) {
-    if (triangles[star[i]].cap) return std::nullopt;
+    if (triangles[star[i]].sheet) return std::nullopt;
     sides[i] = others(triangles[star[i]].corners, vertex);
     normal += (vertices[sides[i][0]] - middle).cross(vertices[sides[i][1]] - middle);
   }

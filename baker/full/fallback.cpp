@@ -31,7 +31,9 @@ std::vector<std::uint32_t> closest_candidates(const Caster& caster, const Vector
   // |T - m| <= |T - p| + r <= |closest(m) - p| + r <= d(m) + 2 r.
   const double radius = edge * std::sqrt(3.0) / 2;
   std::vector<std::uint32_t> all;
-  caster.within(middle, (std::abs(middle_distance) + 2 * radius) * (1 + 1e-9), all);
+  // Of a sheet what is felt is nearer than its middle.
+  const double felt = 2 * caster.sheet_thickness();
+  caster.within(middle, (std::abs(middle_distance) + 2 * radius + felt) * (1 + 1e-9), all);
   if (all.size() <= few) return all;
 
   std::vector<bool> needed(all.size(), false);
@@ -43,9 +45,9 @@ std::vector<std::uint32_t> closest_candidates(const Caster& caster, const Vector
     double nearest = std::numeric_limits<double>::infinity();
     for (std::size_t i = 0; i < all.size(); ++i) {
       distance[i] = distance_to(caster, all[i], point);
-      if (!caster.is_cap(all[i])) nearest = std::min(nearest, distance[i]);
+      nearest = std::min(nearest, distance[i]);
     }
-    const double upper_bound = (nearest + 2 * radius / parts) * (1 + 1e-9);
+    const double upper_bound = (nearest + 2 * radius / parts + felt) * (1 + 1e-9);
     for (std::size_t i = 0; i < all.size(); ++i)
       needed[i] = needed[i] || distance[i] <= upper_bound;
   }

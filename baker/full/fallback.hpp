@@ -8,7 +8,7 @@
 
 namespace spm::baker {
 
-/// The triangles that can hold the closest point of some point of the cube, caps included, in
+/// The triangles that can hold the closest point of some point of the cube, in
 /// ascending order. A triangle is left out only if another one is closer to every part of the cube.
 /// Conservative.
 [[nodiscard]] std::vector<std::uint32_t> closest_candidates(const Caster& caster,

@@ -39,7 +39,8 @@ constexpr std::size_t max_triangles = 0xFFFE;
 void place_grid(Asset& asset) {
   GridData& grid = asset.grid;
   const AssetMetadata& metadata = asset.metadata;
-  const double margin = metadata.band.margin * (1 + 1e-9) + 1e-6 * metadata.diagonal;
+  const double margin =
+      metadata.band.margin * (1 + 1e-9) + 1e-6 * metadata.diagonal + metadata.sheet_thickness;
   const Vector3 low = metadata.box_min - Vector3::Constant(margin);
   const Vector3 size = metadata.box_max - metadata.box_min + Vector3::Constant(2 * margin);
   grid.cell_size = metadata.diagonal / cells_per_diagonal;
@@ -144,7 +145,7 @@ class TriangleStore {
         }
       }
     }
-    return place->second << 1U | (caster_.is_cap(triangle) ? 1U : 0U);
+    return place->second << 1U | (caster_.is_sheet(triangle) ? 1U : 0U);
   }
 
  private:

@@ -37,9 +37,13 @@ bool at_border(const DistanceMap& map, std::uint32_t layer, std::uint32_t column
 
 Trials::Trials(const AssetView& asset, const Caster& caster, std::uint64_t uniform, double nearby,
                std::uint64_t seed)
-    : asset_(asset), caster_(caster), uniform_(uniform), nearby_(nearby), seed_(seed) {
+    : asset_(asset),
+      caster_(caster),
+      uniform_(caster.solid_count() > 0 ? uniform : 0),
+      nearby_(nearby),
+      seed_(seed) {
   double sum = 0;
-  for (std::uint32_t i = 0; i < caster.surface_count(); ++i) {
+  for (std::uint32_t i = 0; i < caster.solid_count(); ++i) {
     const Vector3& a = caster.corner(i, 0);
     sum += (caster.corner(i, 1) - a).cross(caster.corner(i, 2) - a).norm();
     areas_.push_back(sum);

@@ -107,6 +107,7 @@ Mesh load_mesh(const std::string& path, const LoadOptions& options) {
   mesh.path = path;
   mesh.sha256 = mesh_sha256(sha256_bytes(bytes), soup.companion_digests);
   mesh.notes = std::move(soup.notes);
+  mesh.open_as = options.open_as;
   mesh.unit = options.unit.value_or(soup.unit.value_or(1));
   scale_points(mesh.unit, soup.points);
   const Eigen::AlignedBox3d box = referenced_box(soup);
@@ -115,10 +116,9 @@ Mesh load_mesh(const std::string& path, const LoadOptions& options) {
                                         std::to_string(soup.triangles.size()) +
                                         " triangles has an area; export the mesh again");
   }
-  if (options.fit_diagonal) {
-    mesh.scale = *options.fit_diagonal / box.diagonal().norm();
-    scale_points(mesh.scale, soup.points);
-  }
+  if (options.fit_diagonal) mesh.scale = *options.fit_diagonal / box.diagonal().norm();
+  if (options.scale) mesh.scale = *options.scale;
+  scale_points(mesh.scale, soup.points);
   const double farthest = mesh.scale * std::max(box.min().lpNorm<Eigen::Infinity>(),
                                                 box.max().lpNorm<Eigen::Infinity>());
   const double size = mesh.scale * box.diagonal().norm();

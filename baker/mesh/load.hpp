@@ -11,7 +11,9 @@ namespace spm::baker {
 struct LoadOptions {
   std::optional<double> unit = {};          ///< metres; else as the file says, or 1
   std::optional<double> fit_diagonal = {};  ///< m
+  std::optional<double> scale = {};         ///< in place of it: the factor about the origin
   bool outside_buffers = false;             ///< a glTF may name buffers outside its own folder
+  OpenAs open_as = OpenAs::automatic;       ///< what open surfaces are taken for
 };
 
 /// Reads glTF (`.gltf`, `.glb`), 3MF, OBJ, PLY, STL or OFF, also compressed by gzip. Fans polygons

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <array>
+#include <cstddef>
 #include <cstdint>
 #include <string>
 #include <vector>
@@ -12,27 +13,52 @@ namespace spm::baker {
 
 using Triangle = std::array<std::uint32_t, 3>;
 
-/// A mesh after loading, repair, unit and scale: in metres, in the asset's frame. Triangles are
-/// oriented so that their normals point out of the solid, as far as that is defined.
+/// A hole of a solid's surface, which a lid closes.
+struct Hole {
+  Vector3 middle = Vector3::Zero();  ///< of its border, m
+  double area = 0;                   ///< of its lid, m2
+  std::size_t edges = 0;             ///< of its border
+};
+
+/// What an open surface is taken for.
+enum class OpenAs : std::uint8_t {
+  automatic,  ///< a solid where lids take little of its area, else a sheet
+  solid,      ///< a solid, whatever lids it takes
+  sheet,      ///< a sheet, however small its holes are
+};
+/// The words of `--open`, in that order.
+inline constexpr std::array<const char*, 3> open_as_words{"auto", "solid", "sheet"};
+
+/// A mesh after loading, repair, unit and scale: in metres, in the asset's frame, by the rules of
+/// SOLID.md. Triangles of solids are closed, and their normals point out; then come those of
+/// sheets, which are felt from both sides.
 struct Mesh {
   std::vector<Vector3> vertices;    ///< all are referenced
   std::vector<Triangle> triangles;  ///< no index out of range, no zero area
+  std::size_t sheet_triangles = 0;  ///< so many of them, the last, are of sheets
   std::string path;
   std::string sha256;  ///< of the file's bytes; see mesh_sha256
   double unit = 1;     ///< metres per unit of the file
   double scale = 1;    ///< of --fit-diagonal
+  OpenAs open_as = OpenAs::automatic;
   Vector3 box_min = Vector3::Zero();
   Vector3 box_max = Vector3::Zero();
   double diagonal = 0;
   std::uint64_t file_triangles = 0;  ///< after fanning polygons, before repair
   std::uint64_t file_vertices = 0;
   std::uint32_t components = 0;
-  std::uint64_t border_edges = 0;
-  std::vector<std::array<std::uint32_t, 2>> border;  ///< the border edges, indices of vertices
-  std::uint32_t inverted_components = 0;             ///< components that were inside out
-  std::uint64_t dropped_triangles = 0;               ///< zero area or duplicated
+  std::uint64_t border_edges = 0;         ///< of the file's surface
+  std::vector<Hole> lids;                 ///< holes that triangles of the mesh close, largest first
+  std::uint32_t sheets = 0;               ///< parts that are sheets
+  std::uint32_t inverted_components = 0;  ///< components that were inside out
+  std::uint64_t dropped_triangles = 0;    ///< zero area or duplicated
+  std::uint64_t copies = 0;               ///< of these, that lay on another with the same corners
+  std::uint64_t welded = 0;               ///< vertices of borders that became one with another
   std::vector<std::string> notes;  ///< findings and assumptions, a sentence each, for the user
-  [[nodiscard]] bool closed() const noexcept { return border_edges == 0; }
+  [[nodiscard]] bool closed() const noexcept { return sheet_triangles == 0; }
+  [[nodiscard]] std::size_t solid_triangles() const noexcept {
+    return triangles.size() - sheet_triangles;
+  }
 };
 
 }  // namespace spm::baker

@@ -197,7 +197,6 @@ class Turner {
   /// if the patch is inverted.
   void settle_open(std::size_t index, Orientation& orientation) {
     constexpr std::size_t kProbes = 256;
-    constexpr double kUndecided = 0.05;
     const auto& own = patches_[index].triangles;
     const std::size_t step = std::max<std::size_t>(1, own.size() / kProbes);
     const double offset = 1e-6 * patches_[index].box.diagonal().norm();
@@ -215,8 +214,7 @@ class Turner {
       weight += size;
     }
     const double mean = weight > 0 ? sum / weight : 0;
-    if (mean < -kUndecided) turn_patch(index, orientation);
-    if (std::abs(mean) <= kUndecided) ++orientation.undecided;
+    if (mean < 0) turn_patch(index, orientation);
   }
 
   void turn_patch(std::size_t index, Orientation& orientation) {

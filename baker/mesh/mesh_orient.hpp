@@ -13,7 +13,6 @@ namespace spm::baker {
 struct Orientation {
   std::uint32_t components = 0;         ///< parts connected by edges
   std::uint32_t inverted = 0;           ///< patches that were inside out
-  std::uint32_t undecided = 0;          ///< open patches without a recognisable inside
   std::uint64_t flipped = 0;            ///< triangles that disagreed with their neighbours
   std::uint64_t unorientable = 0;       ///< edges whose two triangles cannot agree
   std::uint64_t nonmanifold_edges = 0;  ///< edges of more than two triangles

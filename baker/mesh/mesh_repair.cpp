@@ -13,7 +13,9 @@
 
 #include "baker/mesh/mesh_cells.hpp"
 #include "baker/mesh/mesh_duplicates.hpp"
+#include "baker/mesh/mesh_lids.hpp"
 #include "baker/mesh/mesh_orient.hpp"
+#include "baker/mesh/mesh_seams.hpp"
 
 namespace spm::baker {
 namespace {
@@ -21,6 +23,8 @@ namespace {
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 
 constexpr std::uint32_t kNone = UINT32_MAX;
+/// Borders that are nearer than this share of the diagonal are held apart by rounding alone.
+constexpr double seam_share = 1e-6;
 
 [[nodiscard]] Kernel::Point_3 exact_point(const Vector3& p) { return {p.x(), p.y(), p.z()}; }
 
@@ -58,7 +62,7 @@ std::size_t drop_zero_area(const std::vector<Vector3>& points, std::vector<Trian
   });
 }
 
-/// Keeps the referenced points in their order and renumbers triangles and border.
+/// Keeps the referenced points in their order and renumbers triangles.
 void compact(const std::vector<Vector3>& points, Mesh& mesh) {
   std::vector<std::uint32_t> renumbered(points.size(), kNone);
   for (const Triangle& triangle : mesh.triangles) {
@@ -72,21 +76,34 @@ void compact(const std::vector<Vector3>& points, Mesh& mesh) {
   for (Triangle& triangle : mesh.triangles) {
     for (std::uint32_t& corner : triangle) corner = renumbered[corner];
   }
-  // A border along a triangle without area may lose its vertices with it.
-  std::erase_if(mesh.border, [&](const std::array<std::uint32_t, 2>& edge) {
-    return renumbered[edge[0]] == kNone || renumbered[edge[1]] == kNone;
-  });
-  for (auto& edge : mesh.border) edge = {renumbered[edge[0]], renumbered[edge[1]]};
+}
+
+/// The diagonal of the box around all triangles.
+[[nodiscard]] double extent_of(const PolygonSoup& soup) {
+  Eigen::AlignedBox3d box;
+  for (const Triangle& triangle : soup.triangles) {
+    for (const std::uint32_t corner : triangle) box.extend(soup.points[corner]);
+  }
+  return box.isEmpty() ? 0 : box.diagonal().norm();
 }
 
 [[nodiscard]] std::string counted(std::uint64_t count, const char* one, const char* many) {
   return std::to_string(count) + " " + (count == 1 ? one : many);
 }
 
-void describe(std::size_t merged, std::size_t inner, const Orientation& orientation, Mesh& mesh) {
+void describe(std::size_t merged, const Seams& seams, std::size_t inner,
+              const Orientation& orientation, Mesh& mesh) {
   if (merged > 0) {
     mesh.notes.push_back(counted(merged, "vertex", "vertices") +
                          " merged with another at the same place.");
+  }
+  if (seams.welded > 0) {
+    mesh.notes.push_back(counted(seams.welded, "vertex", "vertices") +
+                         " of the border welded to others within a millionth of the diagonal.");
+  }
+  if (seams.split > 0) {
+    mesh.notes.push_back(counted(seams.split, "triangle", "triangles") +
+                         " divided at vertices of others that lie on their edges.");
   }
   if (mesh.dropped_triangles > 0) {
     mesh.notes.push_back(counted(mesh.dropped_triangles, "triangle", "triangles") +
@@ -112,15 +129,14 @@ void describe(std::size_t merged, std::size_t inner, const Orientation& orientat
     mesh.notes.push_back(counted(orientation.nonmanifold_edges, "edge is", "edges are") +
                          " shared by more than two triangles.");
   }
-  if (orientation.undecided > 0) {
-    mesh.notes.push_back(counted(orientation.undecided, "open surface has", "open surfaces have") +
-                         " no recognisable inside; the direction of the file's triangles is kept.");
+  if (!mesh.lids.empty()) {
+    mesh.notes.push_back(counted(mesh.lids.size(), "small hole", "small holes") +
+                         " closed by a lid, which is felt like the rest of the surface.");
   }
-  if (mesh.border_edges > 0) {
-    mesh.notes.push_back(
-        "The mesh is open, with " + counted(mesh.border_edges, "border edge", "border edges") +
-        ": sides are decided by the generalised winding number, a surface that encloses nothing is "
-        "not solid, and nothing is promised about answers near the holes.");
+  if (mesh.sheets > 0) {
+    mesh.notes.push_back(counted(mesh.sheets, "part is open and taken for a sheet, which is",
+                                 "parts are open and taken for sheets, which are") +
+                         " felt from both sides.");
   }
 }
 
@@ -135,18 +151,34 @@ void repair(PolygonSoup soup, Mesh& mesh) {
   mesh.file_triangles = soup.triangles.size();
   const std::size_t merged = merge_equal_points(soup);
   mesh.dropped_triangles = drop_repeated_corners(soup.triangles);
-  mesh.dropped_triangles += drop_duplicates(soup.triangles);
+  const Seams seams = join_seams(soup.points, seam_share * extent_of(soup), soup.triangles);
+  mesh.welded = seams.welded;
+  mesh.copies = drop_duplicates(soup.triangles);
+  mesh.dropped_triangles += mesh.copies;
   const std::size_t inner = drop_inner_faces(soup.points, soup.triangles);
   // Triangles without area are dropped last: until then they connect their neighbours.
-  const Orientation orientation = orient(soup.points, soup.triangles);
-  mesh.dropped_triangles += drop_zero_area(soup.points, soup.triangles);
+  Orientation orientation = orient(soup.points, soup.triangles);
+  const Lids lids = add_lids(soup.points, mesh.open_as, soup.triangles);
+  std::vector<Triangle> sheets;
+  for (std::size_t t = 0; t < soup.triangles.size(); ++t) {
+    (lids.sheet[t] != 0 ? sheets : mesh.triangles).push_back(soup.triangles[t]);
+  }
+  if (!lids.holes.empty()) {
+    const Orientation closed = orient(soup.points, mesh.triangles);
+    orientation.inverted += closed.inverted;
+  }
+  mesh.dropped_triangles += drop_zero_area(soup.points, mesh.triangles);
+  mesh.dropped_triangles += drop_zero_area(soup.points, sheets);
+  mesh.sheet_triangles = sheets.size();
+  mesh.triangles.insert(mesh.triangles.end(), sheets.begin(), sheets.end());
   mesh.components = orientation.components;
   mesh.inverted_components = orientation.inverted;
-  mesh.border = orientation.border;
-  mesh.triangles = std::move(soup.triangles);
+  mesh.lids = lids.holes;
+  mesh.sheets = lids.sheets;
   compact(soup.points, mesh);
-  mesh.border_edges = mesh.border.size();
-  describe(merged, inner, orientation, mesh);
+  const bool seamless = seams.welded == 0 && seams.split == 0;
+  mesh.border_edges = seamless ? orientation.border.size() : seams.border_edges;
+  describe(merged, seams, inner, orientation, mesh);
 }
 
 }  // namespace spm::baker

@@ -7,8 +7,9 @@
 namespace spm::baker {
 
 /// Merges equal points, drops zero-area and duplicated triangles and unreferenced points, orients,
-/// and turns what is inside out. Fills everything of the mesh but path, hash, unit, scale and box.
-/// The mesh has no triangle where no triangle of the soup has an area.
+/// turns what is inside out, and tells solids from sheets, by the rules of SOLID.md. Fills
+/// everything of the mesh but path, hash, unit, scale, box and what its open surfaces are to be
+/// taken for. The mesh has no triangle where no triangle of the soup has an area.
 void repair(PolygonSoup soup, Mesh& mesh);
 
 /// True where three points lie on a line or coincide, by exact arithmetic.

@@ -21,6 +21,8 @@ struct BakeOptions {
   double max_depth = 0.002;
   std::optional<double> margin;  ///< default probe radius + max_depth / 4
   double probe_radius = 0;
+  /// m, from the middle of a sheet to what is felt of it; default the tolerance.
+  std::optional<double> sheet_thickness;
   std::optional<OrientedBox> workspace;  ///< where the device's tool can be, asset's frame
   PlaneKind kind = PlaneKind::automatic;
   std::optional<std::size_t> planes;  ///< full only

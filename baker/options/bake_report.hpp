@@ -39,7 +39,7 @@ struct BakeReport {
   double seconds_cast = 0;
   StageTimes stages;
   std::vector<Pruned> pruned;
-  std::vector<CappedHole> caps;  ///< holes closed for the side only, largest first
+  std::vector<Hole> lids;  ///< holes closed by triangles that are felt, largest first
   std::optional<SmoothReport> smooth;
   std::vector<std::string> notes;  ///< assumptions, a sentence each, for the user
 };

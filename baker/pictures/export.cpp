@@ -131,14 +131,13 @@ class SurfaceBuilder {
   KnownSurface surface_;
 };
 
-/// Adds those triangles of a `full` asset that have distances, not only a side.
+/// Adds the triangles that lists of a `full` asset have.
 void add_listed_triangles(const AssetView& asset, SurfaceBuilder& builder) {
   std::vector<bool> used(asset.triangles.size() / 9, false);
   visit_all_lists(asset.grid, [&used](const GridList& list) {
     for (std::uint32_t k = 0; k < list.triangles(); ++k) {
       const std::uint32_t triangle = list.triangle(k) >> 1U;
-      const bool cap = (list.triangle(k) & 1U) != 0;
-      if (!cap && triangle < used.size()) used[triangle] = true;
+      if (triangle < used.size()) used[triangle] = true;
     }
   });
   for (std::size_t i = 0; i < used.size(); ++i) {

@@ -17,8 +17,8 @@ struct KnownSurface {
 };
 
 /// Eq. 4 over every valid cell of every map's layers and of every tile, two triangles a cell. A
-/// clipped cell counts up to its line. The exact triangles that the partition refers to are added,
-/// without caps. Maps and tiles overlap, so patches overlap too.
+/// clipped cell counts up to its line. The exact triangles that the partition refers to are added.
+/// Maps and tiles overlap, so patches overlap too.
 [[nodiscard]] KnownSurface known_surface(const AssetView& asset);
 
 /// The surface as a PLY file's bytes: binary little endian, or text.

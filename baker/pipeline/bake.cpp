@@ -16,6 +16,7 @@
 #include "baker/planes/hull.hpp"
 #include "baker/smooth/smooth.hpp"
 #include "baker/surface/outer_surface.hpp"
+#include "common/base/octant.hpp"
 
 namespace spm::baker {
 
@@ -29,7 +30,7 @@ constexpr double max_samples = 5e8;
 /// nothing.
 constexpr double full_aim_share = 5e-4;
 
-void check_options(const BakeOptions& options, double margin) {
+void check_options(const BakeOptions& options, double margin, double sheet_thickness) {
   const auto refuse = [](const std::string& message) { throw BakeError(ExitCode::usage, message); };
   if (!(options.max_depth > 0)) refuse("--max-depth must be more than 0");
   if (!(options.probe_radius >= 0)) refuse("--probe must have a radius of 0 or more");
@@ -37,6 +38,9 @@ void check_options(const BakeOptions& options, double margin) {
     refuse("--margin must be at least the probe's radius, or the probe would touch unfelt");
   }
   if (options.tolerance && !(*options.tolerance > 0)) refuse("--tolerance must be more than 0");
+  if (!(sheet_thickness <= options.max_depth)) {
+    refuse("--sheet-thickness must be at most --max-depth");
+  }
   if (options.resolution < 2 || options.resolution > 4097) {
     refuse("--resolution must be from 2 to 4097 samples");
   }
@@ -45,7 +49,8 @@ void check_options(const BakeOptions& options, double margin) {
   }
 }
 
-std::string options_json(const BakeOptions& options, const AssetMetadata& metadata) {
+std::string options_json(const Mesh& mesh, const BakeOptions& options,
+                         const AssetMetadata& metadata) {
   nlohmann::ordered_json json;
   json["form"] = options.form == AssetForm::full ? "full" : "sparse";
   json["max_depth"] = metadata.band.max_depth;
@@ -58,6 +63,10 @@ std::string options_json(const BakeOptions& options, const AssetMetadata& metada
     json["smooth"] = smoothing_json(fitted_to(options.smooth, metadata.diagonal));
   }
   if (options.workspace) json["workspace"] = to_json(*options.workspace);
+  if (metadata.sheet_thickness > 0) json["sheet_thickness"] = metadata.sheet_thickness;
+  if (mesh.open_as != OpenAs::automatic) {
+    json["open"] = open_as_words[static_cast<std::size_t>(mesh.open_as)];
+  }
   if (options.form == AssetForm::full) {
     json["kind"] = metadata.kind;
     json["planes"] =
@@ -93,7 +102,25 @@ AssetMetadata describe(const Mesh& mesh, const BakeOptions& options) {
   if (options.form == AssetForm::sparse) {
     metadata.tolerance = options.tolerance.value_or(default_tolerance_share * mesh.diagonal);
   }
+  if (!mesh.closed()) {
+    const double tolerance = metadata.tolerance.value_or(default_tolerance_share * mesh.diagonal);
+    metadata.sheet_thickness =
+        options.sheet_thickness.value_or(std::min(tolerance, options.max_depth));
+  }
   return metadata;
+}
+
+/// Points whose hull encloses a surface and what is felt of its sheets.
+std::vector<Vector3> felt_points(const Mesh& mesh, double sheet_thickness) {
+  std::vector<Vector3> points = mesh.vertices;
+  if (sheet_thickness == 0) return points;
+  points.clear();
+  for (const Vector3& vertex : mesh.vertices) {
+    for (std::size_t octant = 0; octant < 8; ++octant) {
+      points.push_back(vertex + sheet_thickness * octant_direction(octant));
+    }
+  }
+  return points;
 }
 
 /// Support planes and maps of the `full` form, and their partition.
@@ -151,7 +178,7 @@ BakeResult bake(const Mesh& mesh, const BakeOptions& options, const Progress& pr
   BakeResult result;
   Asset& asset = result.asset;
   asset.metadata = describe(mesh, options);
-  check_options(options, asset.metadata.band.margin);
+  check_options(options, asset.metadata.band.margin, asset.metadata.sheet_thickness);
 
   const Clock::time_point start = Clock::now();
   if (options.smooth.kind != Smoothing::none) {
@@ -162,17 +189,18 @@ BakeResult bake(const Mesh& mesh, const BakeOptions& options, const Progress& pr
   if (result.report.smooth) result.report.stages.end("smooth");
   OuterSurface surface = outer_surface(solid);
   if (result.report.smooth) surface.hidden += result.report.smooth->hidden;
-  if (surface.surface_count == 0) {
+  if (surface.triangles.empty()) {
     throw BakeError(ExitCode::invalid_input,
                     mesh.path +
-                        ": no part of its surface separates an inside from an outside; close "
-                        "the mesh, or give it a thickness");
+                        ": no part of its surface separates an inside from an outside; turn the "
+                        "triangles outward, or bake it with --open sheet");
   }
   result.report.stages.end("surface");
-  const Hull hull = options.form == AssetForm::full ? convex_hull(solid.vertices)
-                                                    : convex_hull_vertices(solid.vertices);
+  const std::vector<Vector3> points = felt_points(solid, asset.metadata.sheet_thickness);
+  const Hull hull =
+      options.form == AssetForm::full ? convex_hull(points) : convex_hull_vertices(points);
   result.report.stages.end("hull");
-  const Caster caster(surface);
+  const Caster caster(surface, asset.metadata.sheet_thickness);
   result.report.stages.end("caster");
   result.report.seconds_fit = seconds_since(start);
 
@@ -183,7 +211,7 @@ BakeResult bake(const Mesh& mesh, const BakeOptions& options, const Progress& pr
     bake_sparse(result, surface, caster, hull, options, progress, counts);
   }
   result.report.rays = counts.rays;
-  result.report.caps = surface.caps;
+  result.report.lids = mesh.lids;
   add_notes(mesh, surface, counts, result.report);
   asset.metadata.layers_max = counts.layers_max;
   asset.metadata.inconsistent_samples =
@@ -193,7 +221,7 @@ BakeResult bake(const Mesh& mesh, const BakeOptions& options, const Progress& pr
                                       ? static_cast<double>(result.report.fallback_cells) /
                                             static_cast<double>(result.report.record_cells)
                                       : 0;
-  asset.metadata.options = options_json(options, asset.metadata);
+  asset.metadata.options = options_json(mesh, options, asset.metadata);
   return result;
 }
 

@@ -157,13 +157,13 @@ std::vector<double> smallest_edges(const BakeOptions& options, const Band& band,
   return {fine, 2 * fine};
 }
 
-/// The share of the surface beside which normals and trials tell the side, and no proof.
+/// The share of the surface beside which trials tell the side, and no proof.
 double tried_area(const LatticeSurface& lattice, const Caster& caster) {
   double tried = 0, all = 0;
-  for (std::uint32_t t = 0; t < caster.surface_count(); ++t) {
+  for (std::uint32_t t = 0; t < caster.triangle_count(); ++t) {
     const double area = caster.area(t);
     all += area;
-    if (lattice.triangles[t].open || lattice.triangles[t].folded) tried += area;
+    if (lattice.triangles[t].folded) tried += area;
   }
   return all > 0 ? tried / all : 0;
 }
@@ -211,10 +211,8 @@ void bake_sparse(BakeResult& result, const OuterSurface& surface, const Caster& 
   }
   asset.metadata.certified = tolerance;
   metadata.tried_area = tried_area(lattice, rounded);
-  std::vector<bool> open;
-  for (const LatticeTriangle& triangle : lattice.triangles) open.push_back(triangle.open);
   const AssetTables tables = tables_of(asset);
-  result.served = try_served(tables.view(), caster, rounded, open, options.seed);
+  result.served = try_served(tables.view(), caster, options.seed);
   report.stages.end("trials");
   report.seconds_fit += seconds_since(started) - report.seconds_cast;
   report.samples = asset.tiles.size() * tile_sample_count;

@@ -48,6 +48,10 @@ SurfaceTiles show_surface(const Caster& caster, Asset& asset, double tolerance, 
   const TileSettings settings = settings_for(caster, tolerance);
   asset.metadata.tile_spacing = settings.tile_spacing;
   asset.metadata.height_unit = settings.height_unit;
+  if (caster.solid_count() == 0) {
+    known.bare_share = 1;
+    return known;
+  }
   std::vector<TileData> tiles =
       cast_tiles(caster, asset.planes, settings,
                  surface_points(caster, settings.surfel_spacing, 0, seed), progress);
@@ -81,11 +85,12 @@ SurfaceTiles show_surface(const Caster& caster, Asset& asset, double tolerance, 
   }
   std::vector<std::uint64_t> used(tiles.size(), 0);
   double bare = 0, all = 0;
-  for (std::uint32_t t = 0; t < triangles; ++t) {
+  for (std::uint32_t t = 0; t < caster.triangle_count(); ++t) {
     const double area = caster.area(t);
     all += area;
-    bare += known.bare[t] ? area : 0;
-    if (known.bare[t]) continue;
+    const bool shown_by_tiles = t < triangles && !known.bare[t];
+    bare += shown_by_tiles ? 0 : area;
+    if (!shown_by_tiles) continue;
     for (const TileUse& use : cover.uses[t]) used[use.tile] |= use.cells;
   }
   trim_tiles(tiles, used);

@@ -217,14 +217,14 @@ SurfaceCover prove_surface(const Caster& caster, const std::vector<SupportPlane>
                            const Progress& progress) {
   const SurfaceProof proof(planes, tiles, height_unit, bound, caster.diagonal() / 80);
   constexpr std::size_t batch = 64;
-  const std::size_t batches = (caster.surface_count() + batch - 1) / batch;
+  const std::size_t batches = (caster.solid_count() + batch - 1) / batch;
   const double share = worthwhile_tries(bound, caster.diagonal());
   SurfaceCover cover;
-  cover.uses.resize(caster.surface_count());
-  cover.open.resize(caster.surface_count());
+  cover.uses.resize(caster.solid_count());
+  cover.open.resize(caster.solid_count());
   ProgressCounter counter(progress, "proof of surface", batches);
   tbb::parallel_for(std::size_t{0}, batches, [&](std::size_t i) {
-    const std::size_t end = std::min(caster.surface_count(), (i + 1) * batch);
+    const std::size_t end = std::min(caster.solid_count(), (i + 1) * batch);
     for (std::size_t k = i * batch; k < end; ++k) {
       const auto triangle = static_cast<std::uint32_t>(k);
       int tries = static_cast<int>(max_tries * share);

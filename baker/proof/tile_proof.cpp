@@ -77,7 +77,7 @@ class CellProof {
     near.clear();
     caster_.within(point(0, 0), radius + margin, near);
     return std::any_of(near.begin(), near.end(), [&](std::uint32_t triangle) {
-      if (caster_.is_cap(triangle) ||
+      if (caster_.is_sheet(triangle) ||
           caster_.normal(triangle).dot(across) > opposite_cosine * across.norm()) {
         return false;
       }

@@ -72,7 +72,7 @@ Reachability::Reachability(const Caster& caster, const Band& band, double probe_
   if (!(probe_radius > 0)) return;
   Vector3 low = Vector3::Constant(std::numeric_limits<double>::infinity());
   Vector3 high = -low;
-  for (std::uint32_t triangle = 0; triangle < caster.surface_count(); ++triangle) {
+  for (std::uint32_t triangle = 0; triangle < caster.triangle_count(); ++triangle) {
     for (int corner = 0; corner < 3; ++corner) {
       low = low.cwiseMin(caster.corner(triangle, corner));
       high = high.cwiseMax(caster.corner(triangle, corner));

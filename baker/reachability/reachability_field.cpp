@@ -30,8 +30,7 @@ const double half_diagonal = std::sqrt(3.0) / 2;  ///< of a unit cube
 /// whole.
 class BlockSearch {
  public:
-  BlockSearch(const Caster& caster, bool caps, double radius)
-      : caster_(caster), caps_(caps), radius_(radius) {}
+  BlockSearch(const Caster& caster, double radius) : caster_(caster), radius_(radius) {}
 
   /// Calls `fill` with the lowest voxel and the edge of each cube of voxels to which one result
   /// applies.
@@ -40,7 +39,7 @@ class BlockSearch {
               const Middle& middle, const Fill& fill) const {
     const Vector3 at = middle(least) + Vector3::Constant((edge - 1) * size / 2);
     const double around = half_diagonal * edge * size;
-    const double distance = distance_at(at, around);
+    const double distance = caster_.closest(at).distance;
     if (distance + around < radius_) return fill(least, edge, blocked);
     // The farthest voxel's middle is a voxel's half diagonal nearer than the block's corner.
     if (edge == 1 || distance - around + 2 * half_diagonal * size >= radius_) {
@@ -57,25 +56,8 @@ class BlockSearch {
 
  private:
   const Caster& caster_;
-  bool caps_;
   double radius_;
-
-  /// The signed distance. It jumps across a cap; near a cap it is that of the outer side.
-  [[nodiscard]] double distance_at(const Vector3& point, double around) const {
-    const double distance = caster_.closest(point).distance;
-    if (distance >= 0 || !caps_ || -distance + around < radius_) return distance;
-    thread_local std::vector<std::uint32_t> triangles;
-    caster_.within(point, around, triangles);
-    const bool cap = !triangles.empty() && caster_.is_cap(triangles.back());
-    return cap ? -distance : distance;
-  }
 };
-
-bool has_caps(const Caster& caster) {
-  std::vector<std::uint32_t> all;
-  caster.within(caster.corner(0, 0), 2 * caster.diagonal(), all);
-  return caster.is_cap(all.back());
-}
 
 /// Squared distances of the voxels of a row to the nearest one, from the squared distances within
 /// planes across the row. The lower envelope of parabolas, exact in whole numbers (Meijster and
@@ -165,7 +147,7 @@ double ReachabilityField::coarseness() const noexcept { return half_diagonal * s
 
 void ReachabilityField::find_passable(const Caster& caster, double radius,
                                       const Progress& progress) {
-  const BlockSearch search(caster, has_caps(caster), radius);
+  const BlockSearch search(caster, radius);
   const Index blocks{cells_[0] / block, cells_[1] / block, cells_[2] / block};
   const std::size_t count = static_cast<std::size_t>(blocks[0]) * blocks[1] * blocks[2];
   ProgressCounter counter(progress, "finding what can be reached", count);

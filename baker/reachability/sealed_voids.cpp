@@ -15,18 +15,11 @@ namespace {
 
 using Numbers = std::vector<std::uint32_t>;
 
-/// The triangles of a caster, caps last. Corners that coincide are merged.
+/// The triangles of a caster that are of solids. Corners that coincide are merged.
 struct Triangles {
   std::vector<Triangle> corners;
   std::uint32_t points = 0;
 };
-
-/// How many triangles a caster has, caps included.
-std::uint32_t triangle_count(const Caster& caster) {
-  Numbers all;
-  caster.within(caster.corner(0, 0), 2 * caster.diagonal(), all);
-  return static_cast<std::uint32_t>(all.size());
-}
 
 Triangles number_corners(const Caster& caster, std::uint32_t count) {
   struct Corner {
@@ -209,7 +202,8 @@ void add_enclosed(const Caster& caster, const Parts& parts, std::vector<char>& l
 }  // namespace
 
 std::optional<OuterSurface> without_sealed_voids(const Caster& caster) {
-  const std::uint32_t count = triangle_count(caster);
+  const auto count = static_cast<std::uint32_t>(caster.solid_count());
+  if (count == 0) return std::nullopt;
   const Triangles triangles = number_corners(caster, count);
   const Parts parts = PartFinder(caster, triangles).find();
   std::vector<char> left_out = hollow_parts(caster, parts);
@@ -224,10 +218,10 @@ std::optional<OuterSurface> without_sealed_voids(const Caster& caster) {
       filled.vertices[triangles.corners[t][k]] = caster.corner(t, static_cast<int>(k));
     }
     filled.triangles.push_back(triangles.corners[t]);
-    filled.surface_count += caster.is_cap(t) ? 0 : 1;
   }
+  filled.solid_count = filled.triangles.size();
   // A solid cannot bound nothing but hollows. If rounding says so, nothing is left out.
-  if (filled.surface_count == 0) return std::nullopt;
+  if (filled.solid_count == 0) return std::nullopt;
   return filled;
 }
 

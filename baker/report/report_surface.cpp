@@ -78,13 +78,12 @@ std::vector<float> errors_at(const OuterSurface& surface, const ErrorScale& scal
 
 nlohmann::ordered_json surface_json(const Mesh& mesh, const AssetView& view,
                                     const AssetMetadata& metadata, const VerifyReport& report) {
-  OuterSurface surface = outer_surface(mesh);
-  surface.triangles.resize(surface.surface_count);  // without caps
+  const OuterSurface surface = outer_surface(mesh);
   if (surface.triangles.size() > most_drawn_triangles) {
     return {{"left_out", "The surface of " + std::to_string(surface.triangles.size()) +
                              " triangles is too large to be drawn here."}};
   }
-  const ExactSurface exact(mesh);
+  const ExactSurface exact(mesh, metadata.sheet_thickness);
   const ErrorScale scale{exact, view, report.band,
                          metadata.tolerance.value_or(metadata.diagonal / 1000)};
   Vector3 low = surface.vertices.front(), high = low;

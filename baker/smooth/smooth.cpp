@@ -7,6 +7,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <utility>
 #include <vector>
 
@@ -49,10 +50,10 @@ double area_of(const std::vector<Vector3>& points, const Triangle& t) {
   return (points[t[1]] - points[t[0]]).cross(points[t[2]] - points[t[0]]).norm() / 2;
 }
 
-/// The outer surface without its caps.
-SurfaceMesh surface_mesh_of(OuterSurface surface) {
-  surface.triangles.resize(surface.surface_count);
-  return {std::move(surface.vertices), std::move(surface.triangles)};
+/// The outer surface without its sheets, which stay as they are.
+SurfaceMesh surface_mesh_of(const OuterSurface& surface) {
+  OuterSurface solids = solids_of(surface);
+  return {std::move(solids.vertices), std::move(solids.triangles)};
 }
 
 bool is_crease(const MeshEdge& edge, const SmoothOptions& options) {
@@ -159,7 +160,7 @@ Caster caster_of(const std::vector<Vector3>& points, const std::vector<Triangle>
   OuterSurface surface;
   surface.vertices = points;
   surface.triangles = triangles;
-  surface.surface_count = triangles.size();
+  surface.solid_count = triangles.size();
   return Caster(surface);
 }
 
@@ -189,22 +190,28 @@ void measure(const SurfaceMesh& before, const std::vector<Vector3>& after, Smoot
   }
 }
 
-/// The smoothed surface as a mesh of the same file, without triangles that lost their area.
-Mesh mesh_from(const Mesh& mesh, const SurfaceMesh& surface_mesh, std::vector<Vector3> points) {
+/// The smoothed surface as a mesh of the same file, without triangles that lost their area, and
+/// with the sheets.
+Mesh mesh_from(const Mesh& mesh, const OuterSurface& surface, const SurfaceMesh& surface_mesh,
+               std::vector<Vector3> points) {
   Mesh smoothed = mesh;
   smoothed.vertices = std::move(points);
   smoothed.triangles = surface_mesh.triangles;
   std::erase_if(smoothed.triangles,
                 [&](const Triangle& t) { return !(area_of(smoothed.vertices, t) > 0); });
-  smoothed.border.clear();
   smoothed.notes.clear();
-  // A gap that rounding left where parts of a closed mesh intersect is no hole.
-  if (!mesh.closed()) {
-    for (const MeshEdge& edge : edges_of(surface_mesh).edges) {
-      if (!edge.paired) smoothed.border.push_back(edge.ends);
+  std::map<std::uint32_t, std::uint32_t> numbers;
+  for (std::size_t t = surface.solid_count; t < surface.triangles.size(); ++t) {
+    Triangle sheet = surface.triangles[t];
+    for (std::uint32_t& corner : sheet) {
+      const auto [known, fresh] =
+          numbers.try_emplace(corner, static_cast<std::uint32_t>(smoothed.vertices.size()));
+      if (fresh) smoothed.vertices.push_back(surface.vertices[corner]);
+      corner = known->second;
     }
+    smoothed.triangles.push_back(sheet);
   }
-  smoothed.border_edges = smoothed.border.size();
+  smoothed.sheet_triangles = surface.triangles.size() - surface.solid_count;
   return smoothed;
 }
 
@@ -231,16 +238,16 @@ SmoothOptions fitted_to(SmoothOptions options, double diagonal) {
 Mesh smoothed_mesh(const Mesh& mesh, const SmoothOptions& options, const Progress& progress,
                    SmoothReport& report) {
   const SmoothOptions fitted = fitted_to(options, mesh.diagonal);
-  OuterSurface surface = outer_surface(mesh);
+  const OuterSurface surface = outer_surface(mesh);
   report = {};
   report.options = fitted;
   report.hidden = surface.hidden;
-  const SurfaceMesh surface_mesh = refined_for(surface_mesh_of(std::move(surface)), fitted);
+  const SurfaceMesh surface_mesh = refined_for(surface_mesh_of(surface), fitted);
   check_work(surface_mesh, fitted.sigma);
   std::vector<Vector3> points =
       smoothed_points(neighbours_of(surface_mesh, fitted), fitted.sigma, progress);
   if (!surface_mesh.triangles.empty()) measure(surface_mesh, points, report);
-  return mesh_from(mesh, surface_mesh, std::move(points));
+  return mesh_from(mesh, surface, surface_mesh, std::move(points));
 }
 
 }  // namespace spm::baker

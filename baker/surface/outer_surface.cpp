@@ -4,15 +4,13 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <array>
 #include <cmath>
 #include <cstdint>
-#include <map>
 #include <span>
 #include <utility>
 
+#include "baker/mesh/join_vertices.hpp"
 #include "baker/mesh/winding_number.hpp"
-#include "baker/surface/join_vertices.hpp"
 #include "baker/surface/self_intersection.hpp"
 #include "baker/surface/triangle_split.hpp"
 
@@ -38,24 +36,26 @@ namespace {
   return true;
 }
 
-/// Decides for each piece whether it bounds the solid.
+/// Decides for each piece whether it is felt.
 class Judge {
  public:
   Judge(const Mesh& mesh, const SplitMesh& split)
-      : mesh_(mesh), split_(split), winding_(mesh.vertices, mesh.triangles) {}
+      : mesh_(mesh),
+        split_(split),
+        winding_(mesh.vertices, std::span(mesh.triangles).first(mesh.solid_triangles())) {}
 
-  [[nodiscard]] std::vector<char> bounding_pieces() const {
+  [[nodiscard]] std::vector<char> felt_pieces() const {
     std::vector<char> kept(split_.pieces.size(), 0);
     tbb::parallel_for(std::size_t{0}, kept.size(), [&](std::size_t piece) {
-      kept[piece] = bounds_solid(piece) && !repeated(piece) ? 1 : 0;
+      const bool sheet = split_.parents[piece] >= mesh_.solid_triangles();
+      kept[piece] = is_felt(piece, sheet) && (sheet || !repeated(piece)) ? 1 : 0;
     });
     return kept;
   }
 
-  [[nodiscard]] double winding_at(const Vector3& point) const { return winding_.at(point); }
-
  private:
-  [[nodiscard]] bool bounds_solid(std::size_t piece) const {
+  /// Whether a piece bounds the solid, or of a sheet, whether both its sides are outside.
+  [[nodiscard]] bool is_felt(std::size_t piece, bool sheet) const {
     const Triangle& t = split_.pieces[piece];
     const Vector3 twice = twice_area(split_.points, t);
     const double size = twice.norm();
@@ -68,7 +68,8 @@ class Judge {
         std::clamp(1e-3 * width, kNearest * mesh_.diagonal, kFarthest * mesh_.diagonal);
     const Vector3 step = offset / size * twice;
     const double outside = winding_.at(middle + step);
-    // Across a single layer the winding number steps by one, also where the mesh is open.
+    if (sheet) return outside < 0.5 && winding_.at(middle - step) < 0.5;
+    // Across a single layer the winding number steps by one.
     const double inside =
         overlaps(split_.parents[piece]) ? winding_.at(middle - step) : outside + 1;
     return inside >= 0.5 && outside < 0.5;
@@ -110,95 +111,6 @@ class Judge {
   WindingNumber winding_;
 };
 
-using Edge = std::array<std::uint32_t, 2>;
-
-/// The vertices of a mesh's border, joined where a border edge joins them.
-class BorderRuns {
- public:
-  explicit BorderRuns(const Mesh& mesh) {
-    for (const auto& [from, to] : mesh.border) {
-      const std::uint32_t a = run(from);
-      const std::uint32_t b = run(to);
-      if (a != b) parent_[std::max(a, b)] = std::min(a, b);
-    }
-    std::map<std::uint32_t, double> weights;
-    for (const auto& [from, to] : mesh.border) {
-      centres_.try_emplace(run(from), Vector3::Zero()).first->second +=
-          mesh.vertices[from] + mesh.vertices[to];
-      weights[run(from)] += 2;
-    }
-    for (auto& [run, centre] : centres_) centre /= weights.at(run);
-  }
-
-  /// A number for the run to which a border vertex belongs.
-  [[nodiscard]] std::uint32_t run(std::uint32_t vertex) {
-    auto at = parent_.try_emplace(vertex, vertex).first;
-    while (at->second != at->first) {
-      at->second =
-          parent_.at(at->second);  // halves the path for the next time: borders can be long
-      at = parent_.find(at->second);
-    }
-    return at->first;
-  }
-
-  [[nodiscard]] const Vector3& centre(std::uint32_t run) const { return centres_.at(run); }
-
- private:
-  std::map<std::uint32_t, std::uint32_t> parent_;
-  std::map<std::uint32_t, Vector3> centres_;
-};
-
-/// Edges of the triangles of which at least one piece stays; sorted.
-[[nodiscard]] std::vector<Edge> edges_that_stay(const Mesh& mesh, const SplitMesh& split,
-                                                const std::vector<char>& kept) {
-  std::vector<Edge> edges;
-  for (std::size_t piece = 0; piece < kept.size(); ++piece) {
-    if (kept[piece] == 0) continue;
-    const auto& [a, b, c] = mesh.triangles[split.parents[piece]];
-    edges.insert(edges.end(), {{a, b}, {b, c}, {c, a}});
-  }
-  std::sort(edges.begin(), edges.end());
-  return edges;
-}
-
-/// Caps each run of border edges by a fan from its centroid, where a surface that stays ends there.
-void add_caps(const Mesh& mesh, const Judge& judge, const std::vector<Edge>& edges,
-              OuterSurface& surface) {
-  // A cap represents the surface of winding number one half that closes the solid there. In a hole
-  // within another part there is none.
-  constexpr double kLeast = 0.05;
-  constexpr double kMost = 0.95;
-  struct Fan {
-    std::uint32_t centre;  ///< its vertex
-    CappedHole hole;
-  };
-  BorderRuns runs(mesh);
-  std::map<std::uint32_t, Fan> fans;
-  for (const Edge& edge : mesh.border) {
-    const auto& [from, to] = edge;
-    if (!std::binary_search(edges.begin(), edges.end(), edge)) continue;
-    const std::uint32_t run = runs.run(from);
-    const Vector3& centre = runs.centre(run);
-    const double winding = judge.winding_at((mesh.vertices[from] + mesh.vertices[to] + centre) / 3);
-    if (winding < kLeast || winding > kMost) continue;
-    const auto vertex = static_cast<std::uint32_t>(surface.vertices.size());
-    const auto [found, added] = fans.try_emplace(run, Fan{vertex, {.middle = centre}});
-    if (added) surface.vertices.push_back(centre);
-    Fan& fan = found->second;
-    ++fan.hole.edges;
-    const Triangle cap{to, from, fan.centre};
-    const double area = twice_area(surface.vertices, cap).norm() / 2;
-    if (!(area > 0)) continue;
-    surface.triangles.push_back(cap);
-    fan.hole.area += area;
-  }
-  for (const auto& [run, fan] : fans) {
-    if (fan.hole.area > 0) surface.caps.push_back(fan.hole);
-  }
-  std::stable_sort(surface.caps.begin(), surface.caps.end(),
-                   [](const CappedHole& a, const CappedHole& b) { return a.area > b.area; });
-}
-
 /// Joins vertices that are closer than this share of the diagonal, and drops the triangles that
 /// this leaves without area: where surfaces cross at next to no angle, rounding leaves hairs.
 constexpr double kHair = 1e-7;
@@ -211,9 +123,9 @@ void drop_hairs(const Mesh& mesh, OuterSurface& surface) {
   for (Triangle& triangle : surface.triangles) {
     for (std::uint32_t& corner : triangle) corner = joined[corner];
   }
-  const auto caps = surface.triangles.begin() + static_cast<std::ptrdiff_t>(surface.surface_count);
-  surface.surface_count -=
-      static_cast<std::size_t>(std::count_if(surface.triangles.begin(), caps, is_flat));
+  const auto sheets = surface.triangles.begin() + static_cast<std::ptrdiff_t>(surface.solid_count);
+  surface.solid_count -=
+      static_cast<std::size_t>(std::count_if(surface.triangles.begin(), sheets, is_flat));
   std::erase_if(surface.triangles, is_flat);
 }
 
@@ -238,48 +150,40 @@ void compact(OuterSurface& surface) {
 
 }  // namespace
 
-void split_caps(OuterSurface& surface) {
-  if (surface.triangles.size() == surface.surface_count) return;
-  std::vector<TrianglePair> pairs = intersecting_pairs(surface.vertices, surface.triangles);
-  std::erase_if(pairs,
-                [&](const TrianglePair& pair) { return pair.second < surface.surface_count; });
-  if (pairs.empty()) return;
-  SplitMesh split = split_triangles(surface.vertices, surface.triangles, pairs);
-  surface.surface_count = static_cast<std::size_t>(
-      std::lower_bound(split.parents.begin(), split.parents.end(), surface.surface_count) -
-      split.parents.begin());
-  surface.vertices = std::move(split.points);
-  surface.triangles = std::move(split.pieces);
-}
-
 OuterSurface outer_surface(const Mesh& mesh) {
   OuterSurface surface;
-  const std::vector<TrianglePair> pairs = intersecting_pairs(mesh.vertices, mesh.triangles);
+  std::vector<TrianglePair> pairs = intersecting_pairs(mesh.vertices, mesh.triangles);
+  // Sheets may cross one another as they are.
+  std::erase_if(pairs,
+                [&](const TrianglePair& pair) { return pair.first >= mesh.solid_triangles(); });
   if (pairs.empty() && mesh.closed() && mesh.components == 1) {
     surface.vertices = mesh.vertices;
     surface.triangles = mesh.triangles;
-    surface.surface_count = mesh.triangles.size();
+    surface.solid_count = mesh.triangles.size();
     return surface;
   }
   SplitMesh split = split_triangles(mesh.vertices, mesh.triangles, pairs);
-  const Judge judge(mesh, split);
-  const std::vector<char> kept = judge.bounding_pieces();
+  const std::vector<char> kept = Judge(mesh, split).felt_pieces();
   surface.vertices = split.points;
   surface.intersecting = split.split;
   for (std::size_t piece = 0; piece < kept.size(); ++piece) {
     if (kept[piece] != 0) {
       surface.triangles.push_back(split.pieces[piece]);
+      surface.solid_count += split.parents[piece] < mesh.solid_triangles() ? 1 : 0;
     } else {
       ++surface.hidden;
       surface.hidden_area += twice_area(split.points, split.pieces[piece]).norm() / 2;
     }
   }
-  surface.surface_count = surface.triangles.size();
-  add_caps(mesh, judge, edges_that_stay(mesh, split, kept), surface);
-  split_caps(surface);
   drop_hairs(mesh, surface);
   compact(surface);
   return surface;
+}
+
+OuterSurface solids_of(const OuterSurface& surface) {
+  OuterSurface solids = surface;
+  solids.triangles.resize(surface.solid_count);
+  return solids;
 }
 
 }  // namespace spm::baker

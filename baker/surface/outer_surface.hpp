@@ -9,33 +9,25 @@
 
 namespace spm::baker {
 
-/// A hole that caps close.
-struct CappedHole {
-  Vector3 middle;         ///< of its border, m
-  double area = 0;        ///< of its caps, m2
-  std::size_t edges = 0;  ///< of its border
-};
-
-/// The surface that a hand coming from outside can touch: the boundary of the union of all parts.
-/// Triangles are split where parts intersect, and hidden pieces are removed. Each triangle has the
-/// solid behind it.
+/// The surface that a hand coming from outside can touch: the boundary of the union of all solids,
+/// and what of the sheets lies outside that. Triangles are split where they intersect a solid, and
+/// hidden pieces are removed. Each triangle of a solid has the solid behind it.
 struct OuterSurface {
   std::vector<Vector3> vertices;
   std::vector<Triangle> triangles;
-  std::size_t surface_count = 0;  ///< triangles before this index are surface, the rest caps
-  std::size_t hidden = 0;         ///< pieces removed because they lie inside other parts
-  std::size_t intersecting = 0;   ///< triangles of the mesh that were split
-  double hidden_area = 0;         ///< m2
-  std::vector<CappedHole> caps;   ///< largest first
+  std::size_t solid_count = 0;   ///< triangles before this index are of solids, the rest of sheets
+  std::size_t hidden = 0;        ///< pieces removed because they lie inside other parts
+  std::size_t intersecting = 0;  ///< triangles of the mesh that were split
+  double hidden_area = 0;        ///< m2
+
+  [[nodiscard]] bool has_sheets() const noexcept { return solid_count < triangles.size(); }
 };
 
-/// Splits self-intersecting triangles along their intersections. Keeps the pieces across which the
-/// generalised winding number passes one half. Caps holes; caps decide the side only, and are cut
-/// where they cross each other or the surface.
+/// Splits triangles along their intersections with solids. Keeps of solids the pieces across which
+/// their winding number passes one half, and of sheets those that lie outside.
 [[nodiscard]] OuterSurface outer_surface(const Mesh& mesh);
 
-/// Cuts caps, and what they cross, along each other, so that each piece has one winding number on
-/// each side.
-void split_caps(OuterSurface& surface);
+/// The same without the sheets.
+[[nodiscard]] OuterSurface solids_of(const OuterSurface& surface);
 
 }  // namespace spm::baker

@@ -35,7 +35,7 @@ constexpr double bin_share = 1.0 / 90;
 /// Assigns each point of the surface to the direction that faces its triangle best.
 std::vector<Surfel> assign_surface(const Caster& caster, const std::vector<SupportPlane>& planes,
                                    const std::vector<SurfacePoint>& points) {
-  std::vector<std::uint32_t> direction(caster.surface_count(), 0);
+  std::vector<std::uint32_t> direction(caster.solid_count(), 0);
   for (std::uint32_t triangle = 0; triangle < direction.size(); ++triangle) {
     direction[triangle] =
         static_cast<std::uint32_t>(support_plane_mapping(planes, caster.normal(triangle)));
@@ -109,7 +109,7 @@ class TileChooser {
         bins_(surfels_, bin_share * caster.diagonal()),
         covered_(surfels_.size(), 0) {
     double area = 0;
-    for (std::uint32_t t = 0; t < caster.surface_count(); ++t) area += caster.area(t);
+    for (std::uint32_t t = 0; t < caster.solid_count(); ++t) area += caster.area(t);
     const double each = area / std::max<double>(1, static_cast<double>(surfels_.size()));
     triangles_.reserve(surfels_.size());
     for (const Surfel& surfel : surfels_) {

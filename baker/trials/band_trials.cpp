@@ -39,7 +39,7 @@ std::vector<double> edge_weights(const Caster& caster) {
     const Ends to{b.x(), b.y(), b.z(), a.x(), a.y(), a.z()};
     return std::min(from, to);
   };
-  const auto count = static_cast<std::uint32_t>(3 * caster.surface_count());
+  const auto count = static_cast<std::uint32_t>(3 * caster.triangle_count());
   std::vector<std::pair<Ends, std::uint32_t>> sides;
   for (std::uint32_t edge = 0; edge < count; ++edge) sides.emplace_back(ends_of(edge), edge);
   std::sort(sides.begin(), sides.end());
@@ -65,7 +65,7 @@ std::vector<double> edge_weights(const Caster& caster) {
 BandTrials::BandTrials(const Caster& caster, const Band& band, double tolerance, std::uint64_t seed)
     : caster_(caster), band_(band), tolerance_(tolerance), seed_(seed) {
   double area = 0, weight = 0;
-  for (std::uint32_t i = 0; i < caster.surface_count(); ++i) {
+  for (std::uint32_t i = 0; i < caster.triangle_count(); ++i) {
     const Vector3& a = caster.corner(i, 0);
     area += (caster.corner(i, 1) - a).cross(caster.corner(i, 2) - a).norm();
     areas_.push_back(area);

@@ -22,13 +22,10 @@ struct Outcome {
   double error = 0;  ///< m
 };
 
-Outcome outcome_at(const AssetView& view, const Caster& caster, const Caster& rounded,
-                   const std::vector<bool>& open, const Vector3& point) {
+Outcome outcome_at(const AssetView& view, const Caster& caster, const Vector3& point) {
   Outcome outcome;
-  const ClosestPoint closest = caster.closest(point);
-  const double truth = closest.distance;
+  const double truth = caster.closest(point).distance;
   if (truth > view.band.margin || truth < -view.band.max_depth) return outcome;
-  if (closest.clearance < std::min(view.tolerance, std::abs(truth))) return outcome;
   const Answer answer = query_point(view, point);
   if (answer.status == Status::pruned) return outcome;
   outcome.counts = true;
@@ -38,20 +35,16 @@ Outcome outcome_at(const AssetView& view, const Caster& caster, const Caster& ro
   if (!outcome.answered) return outcome;
   const double distance = at_end ? view.band.margin : answer.distance;
   outcome.error = std::abs(distance - truth);
-  if (outcome.error > view.tolerance && open[rounded.closest(point).triangle]) {
-    outcome.error = std::abs(std::abs(distance) - std::abs(truth));
-  }
   return outcome;
 }
 
 }  // namespace
 
-ServedTrials try_served(const AssetView& view, const Caster& caster, const Caster& rounded,
-                        const std::vector<bool>& open, std::uint64_t seed) {
+ServedTrials try_served(const AssetView& view, const Caster& caster, std::uint64_t seed) {
   const BandTrials band(caster, view.band, view.tolerance, seed);
   std::vector<Outcome> outcomes(trials);
   tbb::parallel_for(std::uint64_t{0}, trials, [&](std::uint64_t i) {
-    outcomes[i] = outcome_at(view, caster, rounded, open, band.point(i));
+    outcomes[i] = outcome_at(view, caster, band.point(i));
   });
   ServedTrials found;
   for (std::uint64_t i = 0; i < trials; ++i) {

@@ -11,7 +11,7 @@ namespace spm::baker {
 
 /// What trials of the served answers found.
 struct ServedTrials {
-  std::uint64_t count = 0;       ///< places in the band, beside no cap
+  std::uint64_t count = 0;       ///< places in the band
   std::uint64_t unanswered = 0;  ///< left without an answer
   std::uint64_t beyond = 0;      ///< off by more than the tolerance
   double largest = 0;            ///< error, m, of the answered ones
@@ -22,11 +22,8 @@ struct ServedTrials {
 };
 
 /// Queries places all over the band, as whoever opens the file does, and compares with the surface.
-/// Places that were pruned are left out, and places nearer to a cap than to the surface, where
-/// nothing is promised. Of places nearest to an open triangle only the unsigned distance is
-/// promised; `open` says which of `rounded` are, the surface as the file stores it.
+/// Places that were pruned are left out.
 [[nodiscard]] ServedTrials try_served(const AssetView& view, const Caster& caster,
-                                      const Caster& rounded, const std::vector<bool>& open,
                                       std::uint64_t seed);
 
 }  // namespace spm::baker

@@ -22,8 +22,7 @@ constexpr std::uint64_t numbers = 4;  // random, for each draw
 
 /// What was found at one place of a border.
 struct Jump {
-  bool drawn = false;  ///< a place where both sides answer was found
-  bool near_hole = false;
+  bool drawn = false;                             ///< a place where both sides answer was found
   bool contested = false;                         ///< close to the medial axis
   std::pair<std::uint32_t, std::uint32_t> units;  ///< of the two leaves, the lower first
   double distance = 0;                            ///< m
@@ -72,15 +71,12 @@ Jump measure(const JumpSetting& setting, const std::vector<Leaf>& leaves, std::u
     jump = draw(setting, leaves, index * max_draws + attempt);
   }
   if (!jump.drawn) return jump;
-  const bool directed = index < most_directions;
-  if (!directed && setting.surface.closed()) {
+  if (index >= most_directions) {
     jump.direction = -1;
     return jump;
   }
-  const Vector3 closest = setting.surface.closest(jump.place).position;
-  jump.near_hole = setting.surface.border_distance(closest) < setting.near_hole;
-  if (jump.near_hole) return jump;
-  if (!directed || (jump.place - closest).norm() < min_distance_of_direction) {
+  const SurfacePoint closest = setting.surface.closest(jump.place);
+  if ((jump.place - closest.position).norm() < min_distance_of_direction) {
     jump.direction = -1;
   } else {
     jump.contested = setting.surface.contested(jump.place, closest, 2 * setting.tolerance);
@@ -108,8 +104,6 @@ JumpReport border_jumps(const JumpSetting& setting, std::uint64_t count) {
   double worst = -1;
   for (const Jump& jump : jumps) {
     if (!jump.drawn) continue;
-    report.near_holes += jump.near_hole ? 1 : 0;
-    if (jump.near_hole) continue;
     ++report.places;
     borders.push_back(jump.units);
     distances.push_back(jump.distance);

@@ -15,7 +15,6 @@ struct JumpSetting {
   const AssetView& view;
   Band band;             ///< the band that is judged
   double tolerance = 0;  ///< m
-  double near_hole = 0;  ///< m: nearer to a border edge of the mesh no side is defined
   std::uint64_t seed = 0;
 };
 

@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <CGAL/AABB_segment_primitive_3.h>
 #include <CGAL/AABB_traits_3.h>
 #include <CGAL/AABB_tree.h>
 #include <CGAL/AABB_triangle_primitive_3.h>
@@ -10,8 +9,6 @@ namespace spm::baker {
 
 template <class Kernel, class Iterator>
 using TrianglePrimitive = CGAL::AABB_triangle_primitive_3<Kernel, Iterator>;
-template <class Kernel, class Iterator>
-using SegmentPrimitive = CGAL::AABB_segment_primitive_3<Kernel, Iterator>;
 template <class Kernel, class Primitive>
 using CgalTree = CGAL::AABB_tree<CGAL::AABB_traits_3<Kernel, Primitive>>;
 

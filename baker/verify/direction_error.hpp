@@ -8,9 +8,9 @@ namespace spm::baker {
 
 /// A place and what the exact surface says of it.
 struct ExactPlace {
-  Vector3 point = Vector3::Zero();    ///< m
-  Vector3 closest = Vector3::Zero();  ///< of the surface, m
-  double distance = 0;                ///< signed, m, negative inside
+  Vector3 point = Vector3::Zero();  ///< m
+  SurfacePoint closest;
+  double distance = 0;  ///< signed, m, negative inside
 };
 
 /// How far the direction of an answer is off.

@@ -11,10 +11,8 @@ namespace spm::baker {
 namespace {
 
 std::optional<Colour> error_colour(const DirectionScale& scale, const Vector3& point) {
-  const Vector3 closest = scale.exact.closest(point).position;
-  if (scale.exact.border_distance(closest) < scale.near_hole) return not_judged;
-  const double distance = (point - closest).norm();
-  const double truth = scale.exact.inside(point) ? -distance : distance;
+  const SurfacePoint closest = scale.exact.closest(point);
+  const double truth = scale.exact.distance(point, closest);
   const Band& band = scale.asset.band;
   if (truth < -band.max_depth || truth > band.margin) return not_judged;
   const DirectionError error = direction_error(scale.exact, {point, closest, truth},

@@ -10,7 +10,6 @@ struct DirectionScale {
   const ExactSurface& exact;
   const AssetView& asset;
   double tolerance = 0;  ///< m
-  double near_hole = 0;  ///< m: nearer to a border edge of the mesh nothing is judged
   double end = 0;        ///< rad, the end of colour_of_error
 };
 

@@ -28,7 +28,6 @@ double cross(const Vector2& a, const Vector2& b) { return a.x() * b.y() - a.y() 
 struct Scale {
   double touching;  ///< points nearer than this to a plane or line are on it
   double probe;     ///< how far above and below a piece the winding number is evaluated
-  double finest;    ///< pieces of mixed visibility are halved down to this edge
 };
 
 Corners corners_of(const Mesh& mesh, std::size_t triangle) {
@@ -150,20 +149,14 @@ CubeBins neighbours(const Mesh& mesh) {
 
 enum class Side { outer, turned, hidden };
 
-/// The side of a small piece of surface, and by how much the winding numbers beside it differ from
-/// one half.
-struct Judgement {
-  Side side;  ///< the boundary of the solid, the same seen from behind, or no boundary
-  double clearance;
-};
-
-Judgement judge(const ExactWinding& winding, const Vector3& point, const Vector3& normal,
-                double probe) {
-  const double above = winding.at(point + probe * normal) - 0.5;
-  const double below = winding.at(point - probe * normal) - 0.5;
-  const double clearance = std::min(std::abs(above), std::abs(below));
-  if ((above > 0) == (below > 0)) return {Side::hidden, clearance};
-  return {below > 0 ? Side::outer : Side::turned, clearance};
+Side side_of(const ExactWinding& winding, const Vector3& point, const Vector3& normal, double probe,
+             bool sheet) {
+  const bool above = winding.at(point + probe * normal) > 0.5;
+  const bool below = winding.at(point - probe * normal) > 0.5;
+  // A sheet is felt where both its sides are outside.
+  if (sheet) return above || below ? Side::hidden : Side::outer;
+  if (above == below) return Side::hidden;
+  return below ? Side::outer : Side::turned;
 }
 
 struct Sorted {
@@ -181,59 +174,18 @@ void keep(Sorted& sorted, const Corners& piece, Side side) {
   }
 }
 
-/// Classifies a piece whose visibility may change without a step, as it does near holes.
-void sort_halving(const ExactWinding& winding, const Corners& piece, const Vector3& normal,
-                  const Scale& scale, Sorted& sorted) {
-  const Vector3 centre = (piece[0] + piece[1] + piece[2]) / 3;
-  const auto judged = judge(winding, centre, normal, scale.probe);
-  const Side side = judged.side;
-  const double clearance = judged.clearance;
-  double longest = 0;
-  double radius = 0;
-  std::size_t split = 0;
-  for (std::size_t i = 0; i < 3; ++i) {
-    radius = std::max(radius, (piece[i] - centre).norm());
-    const double length = (piece[(i + 1) % 3] - piece[i]).norm();
-    if (length > longest) {
-      longest = length;
-      split = i;
-    }
-  }
-  const bool settled = longest < scale.finest || winding.variation(centre, radius) < clearance ||
-                       std::all_of(piece.begin(), piece.end(), [&](const Vector3& corner) {
-                         const Vector3 point = 0.95 * corner + 0.05 * centre;
-                         return judge(winding, point, normal, scale.probe).side == side;
-                       });
-  if (settled) {
-    keep(sorted, piece, side);
-    return;
-  }
-  const Vector3& a = piece[split];
-  const Vector3& b = piece[(split + 1) % 3];
-  const Vector3& c = piece[(split + 2) % 3];
-  const Vector3 middle = (a + b) / 2;
-  sort_halving(winding, {a, middle, c}, normal, scale, sorted);
-  sort_halving(winding, {middle, b, c}, normal, scale, sorted);
-}
-
 /// Classifies the pieces of a cut triangle.
-Sorted sort_pieces(const Mesh& mesh, const ExactWinding& winding, const Frame& frame,
-                   const std::vector<Polygon>& polygons, const Scale& scale) {
+Sorted sort_pieces(const ExactWinding& winding, const Frame& frame,
+                   const std::vector<Polygon>& polygons, const Scale& scale, bool sheet) {
   Sorted sorted;
   for (const Polygon& polygon : polygons) {
     Vector2 centre = Vector2::Zero();
     for (const Vector2& corner : polygon) centre += corner / static_cast<double>(polygon.size());
-    const Side side = mesh.closed()
-                          ? judge(winding, frame.lifted(centre), frame.n, scale.probe).side
-                          : Side::hidden;
+    const Side side = side_of(winding, frame.lifted(centre), frame.n, scale.probe, sheet);
     for (std::size_t i = 2; i < polygon.size(); ++i) {
-      const Corners piece{frame.lifted(polygon[0]), frame.lifted(polygon[i - 1]),
-                          frame.lifted(polygon[i])};
-      if (mesh.closed()) {
-        keep(sorted, piece, side);
-      } else {
-        sort_halving(winding, piece, frame.n, scale, sorted);
-      }
+      keep(sorted,
+           {frame.lifted(polygon[0]), frame.lifted(polygon[i - 1]), frame.lifted(polygon[i])},
+           side);
     }
   }
   return sorted;
@@ -242,7 +194,7 @@ Sorted sort_pieces(const Mesh& mesh, const ExactWinding& winding, const Frame& f
 }  // namespace
 
 SurfacePieces outer_pieces(const Mesh& mesh, const ExactWinding& winding) {
-  const Scale scale{1e-9 * mesh.diagonal, 1e-6 * mesh.diagonal, 2e-4 * mesh.diagonal};
+  const Scale scale{1e-9 * mesh.diagonal, 1e-6 * mesh.diagonal};
   const CubeBins near = neighbours(mesh);
   std::vector<std::vector<Polygon>> polygons(mesh.triangles.size());
   tbb::parallel_for(std::size_t{0}, mesh.triangles.size(), [&](std::size_t i) {
@@ -250,6 +202,7 @@ SurfacePieces outer_pieces(const Mesh& mesh, const ExactWinding& winding) {
     const Frame frame(own);
     polygons[i] = {{frame.flat(own[0]), frame.flat(own[1]), frame.flat(own[2])}};
     for (const std::uint32_t other : near.of(i, i)) {
+      if (other >= mesh.solid_triangles()) continue;
       for (const Segment& segment : meeting(frame, corners_of(mesh, other), scale.touching)) {
         cut(polygons[i], segment, scale.touching);
       }
@@ -262,22 +215,21 @@ SurfacePieces outer_pieces(const Mesh& mesh, const ExactWinding& winding) {
   std::vector<Sorted> sorted(mesh.triangles.size());
   tbb::parallel_for(std::size_t{0}, mesh.triangles.size(), [&](std::size_t i) {
     const Corners own = corners_of(mesh, i);
+    const bool sheet = i >= mesh.solid_triangles();
     if (simple) {
       sorted[i].kept.push_back(own);
-    } else if (polygons[i].size() == 1 && mesh.closed()) {
+    } else if (polygons[i].size() == 1) {
       keep(sorted[i], own,
-           judge(winding, (own[0] + own[1] + own[2]) / 3, normal_of(own), scale.probe).side);
+           side_of(winding, (own[0] + own[1] + own[2]) / 3, normal_of(own), scale.probe, sheet));
     } else {
-      sorted[i] = sort_pieces(mesh, winding, Frame(own), polygons[i], scale);
+      sorted[i] = sort_pieces(winding, Frame(own), polygons[i], scale, sheet);
     }
   });
   SurfacePieces pieces;
-  for (const Sorted& part : sorted) {
-    pieces.triangles.insert(pieces.triangles.end(), part.kept.begin(), part.kept.end());
-    pieces.hidden_area += part.hidden_area;
-  }
-  for (const Corners& t : pieces.triangles) {
-    pieces.area += (t[1] - t[0]).cross(t[2] - t[0]).norm() / 2;
+  for (std::size_t i = 0; i < sorted.size(); ++i) {
+    auto& to = i < mesh.solid_triangles() ? pieces.solids : pieces.sheets;
+    to.insert(to.end(), sorted[i].kept.begin(), sorted[i].kept.end());
+    pieces.hidden_area += sorted[i].hidden_area;
   }
   return pieces;
 }

@@ -10,18 +10,16 @@
 
 namespace spm::baker {
 
-/// The part of a mesh's surface that bounds the union of its parts, as loose triangles. Seen from
-/// outside, their corners run anticlockwise.
+/// The part of a mesh's surface that bounds the union of its solids, and what of its sheets is
+/// outside that, as loose triangles. Those of solids run anticlockwise, seen from outside.
 struct SurfacePieces {
-  std::vector<std::array<Vector3, 3>> triangles;
-  double area = 0;         ///< m2
+  std::vector<std::array<Vector3, 3>> solids, sheets;
   double hidden_area = 0;  ///< m2, of the mesh, inside other parts
 };
 
-/// Cuts each triangle along its intersections with the others, and keeps the pieces with the inside
-/// on one side only. A point is inside where its winding number is above one half. The winding
-/// number has no steps near holes. There pieces are halved until the boundary is known to 1/5000 of
-/// the diagonal.
+/// Cuts each triangle along its intersections with those of solids, and keeps of solids the pieces
+/// with the inside on one side only, of sheets those with the outside on both. A point is inside
+/// where its winding number is above one half.
 [[nodiscard]] SurfacePieces outer_pieces(const Mesh& mesh, const ExactWinding& winding);
 
 }  // namespace spm::baker

@@ -4,11 +4,11 @@
 #include <CGAL/Simple_cartesian.h>
 
 #include <algorithm>
+#include <array>
 #include <cgal/trees.hpp>
 #include <cmath>
 #include <cstddef>
 #include <iterator>
-#include <limits>
 #include <numbers>
 #include <vector>
 
@@ -21,9 +21,7 @@ namespace {
 using Kernel = CGAL::Simple_cartesian<double>;
 using Point = Kernel::Point_3;
 using Triangles = std::vector<Kernel::Triangle_3>;
-using Segments = std::vector<Kernel::Segment_3>;
 using TriangleBvh = CgalTree<Kernel, TrianglePrimitive<Kernel, Triangles::const_iterator>>;
-using SegmentTree = CgalTree<Kernel, SegmentPrimitive<Kernel, Segments::const_iterator>>;
 
 Point to_cgal(const Vector3& p) { return {p.x(), p.y(), p.z()}; }
 Vector3 from_cgal(const Point& p) { return {p.x(), p.y(), p.z()}; }
@@ -51,7 +49,8 @@ bool in_box(const Kernel::Triangle_3& triangle, const Vector3& point, double sla
 struct Candidate {
   const Kernel::Triangle_3* triangle;
   Vector3 closest;
-  double distance;
+  double distance;  ///< m, of that
+  double felt;      ///< m, the same less the half-thickness of a sheet
 };
 
 /// True where no triangle that touches the candidate's closest point comes nearer. Then the
@@ -60,7 +59,7 @@ struct Candidate {
 bool is_local_minimum(const std::vector<Candidate>& candidates, const Candidate& candidate,
                       double touching) {
   for (const Candidate& other : candidates) {
-    if (other.distance >= candidate.distance - touching) return true;
+    if (other.felt >= candidate.felt - touching) return true;
     if (!in_box(*other.triangle, candidate.closest, touching)) continue;
     const double gap = (closest_on(*other.triangle, candidate.closest) - candidate.closest).norm();
     if (gap <= touching) return false;
@@ -82,124 +81,177 @@ bool differs(const Candidate& candidate, const Vector3& point, const Vector3& to
 }  // namespace
 
 struct ExactSurface::Implementation {
-  explicit Implementation(const Mesh& mesh) : winding(mesh) {
+  /// The triangles of solids or of sheets.
+  struct Kind {
+    Triangles triangles;
+    TriangleBvh tree;
+
+    void add(const std::vector<std::array<Vector3, 3>>& pieces) {
+      triangles.reserve(pieces.size());
+      for (const auto& t : pieces) {
+        const Kernel::Triangle_3 triangle(to_cgal(t[0]), to_cgal(t[1]), to_cgal(t[2]));
+        // A triangle that rounding left without an area has no normal and gets no samples.
+        if (area_vector(triangle).norm() > 0) triangles.push_back(triangle);
+      }
+      tree.insert(triangles.cbegin(), triangles.cend());
+      tree.build();
+      tree.accelerate_distance_queries();
+    }
+  };
+
+  Implementation(const Mesh& mesh, double sheet_thickness)
+      : winding(mesh), thickness(sheet_thickness) {
     const SurfacePieces pieces = outer_pieces(mesh, winding);
-    area = pieces.area;
     hidden_area = pieces.hidden_area;
     touching = 1e-7 * mesh.diagonal;
-    triangles.reserve(pieces.triangles.size());
-    cumulative.reserve(pieces.triangles.size());
-    double sum = 0;
-    for (const auto& t : pieces.triangles) {
-      const Kernel::Triangle_3 triangle(to_cgal(t[0]), to_cgal(t[1]), to_cgal(t[2]));
-      // A triangle that rounding left without an area has no normal and gets no samples.
-      const double doubled = area_vector(triangle).norm();
-      if (!(doubled > 0)) continue;
-      triangles.push_back(triangle);
-      cumulative.push_back(sum += doubled / 2);
+    solids.add(pieces.solids);
+    sheets.add(pieces.sheets);
+    for (const Kind* kind : {&solids, &sheets}) {
+      for (const Kernel::Triangle_3& triangle : kind->triangles) {
+        cumulative.push_back(area += area_vector(triangle).norm() / 2);
+      }
     }
-    for (const auto& edge : mesh.border) {
-      segments.emplace_back(to_cgal(mesh.vertices[edge[0]]), to_cgal(mesh.vertices[edge[1]]));
-    }
-    tree.insert(triangles.cbegin(), triangles.cend());
-    tree.build();
-    tree.accelerate_distance_queries();
-    border.insert(segments.cbegin(), segments.cend());
-    border.build();
-    border.accelerate_distance_queries();
   }
 
-  [[nodiscard]] SurfacePoint surface_point(const TriangleBvh::Point_and_primitive_id& found) const {
+  [[nodiscard]] const Kernel::Triangle_3& triangle(std::size_t number) const {
+    return number < solids.triangles.size() ? solids.triangles[number]
+                                            : sheets.triangles[number - solids.triangles.size()];
+  }
+
+  /// The closest point of one kind, which must be there.
+  [[nodiscard]] SurfacePoint closest_of(const Kind& kind, const Vector3& point,
+                                        const SurfacePoint* from) const {
+    const bool sheet = &kind == &sheets;
+    const std::size_t first = sheet ? solids.triangles.size() : 0;
+    TriangleBvh::Point_and_primitive_id found;
+    if (from != nullptr && from->sheet == sheet) {
+      const auto hint =
+          kind.triangles.begin() + static_cast<std::ptrdiff_t>(from->triangle - first);
+      found =
+          kind.tree.closest_point_and_primitive(to_cgal(point), {to_cgal(from->position), hint});
+    } else {
+      found = kind.tree.closest_point_and_primitive(to_cgal(point));
+    }
     return {from_cgal(found.first), area_vector(*found.second).normalized(),
-            static_cast<std::size_t>(found.second - triangles.begin())};
+            first + static_cast<std::size_t>(found.second - kind.triangles.begin()), sheet};
   }
 
-  /// The triangles that come within a distance of a point, nearest first.
+  [[nodiscard]] bool inside(const Vector3& point) const noexcept { return winding.at(point) > 0.5; }
+
+  [[nodiscard]] SurfacePoint closest(const Vector3& point, const SurfacePoint* from) const {
+    if (sheets.triangles.empty()) return closest_of(solids, point, from);
+    const SurfacePoint sheet = closest_of(sheets, point, from);
+    if (solids.triangles.empty()) return sheet;
+    const SurfacePoint solid = closest_of(solids, point, from);
+    const double beside = (sheet.position - point).norm() - thickness,
+                 away = (solid.position - point).norm();
+    if (beside >= away) return solid;
+    return beside < -away || !inside(point) ? sheet : solid;
+  }
+
+  /// The triangles of which a distance of so much is felt, nearest first.
   [[nodiscard]] std::vector<Candidate> within(const Vector3& point, double radius) const {
-    std::vector<Triangles::const_iterator> near;
-    tree.all_intersected_primitives(Kernel::Sphere_3(to_cgal(point), radius * radius),
-                                    std::back_inserter(near));
     std::vector<Candidate> candidates;
-    candidates.reserve(near.size());
-    for (const auto& triangle : near) {
-      const Vector3 position = closest_on(*triangle, point);
-      candidates.push_back({&*triangle, position, (position - point).norm()});
+    for (const Kind* kind : {&solids, &sheets}) {
+      if (kind->triangles.empty()) continue;
+      const double nearer = kind == &sheets ? thickness : 0;
+      std::vector<Triangles::const_iterator> near;
+      kind->tree.all_intersected_primitives(
+          Kernel::Sphere_3(to_cgal(point), (radius + nearer) * (radius + nearer)),
+          std::back_inserter(near));
+      for (const auto& triangle : near) {
+        const Vector3 position = closest_on(*triangle, point);
+        const double distance = (position - point).norm();
+        candidates.push_back({&*triangle, position, distance, distance - nearer});
+      }
     }
     std::sort(candidates.begin(), candidates.end(),
-              [](const Candidate& a, const Candidate& b) { return a.distance < b.distance; });
+              [](const Candidate& a, const Candidate& b) { return a.felt < b.felt; });
     return candidates;
   }
 
+  /// Those that compete with the closest point.
+  [[nodiscard]] std::vector<Candidate> rivals_of(const Vector3& point, const SurfacePoint& closest,
+                                                 double window) const {
+    const double away = (closest.position - point).norm();
+    return within(point, std::max(0.0, away - (closest.sheet ? thickness : 0)) + window);
+  }
+
   ExactWinding winding;
-  Triangles triangles;
-  Segments segments;
+  double thickness = 0;
+  Kind solids, sheets;
   std::vector<double> cumulative;  ///< area up to and including each triangle
-  TriangleBvh tree;
-  SegmentTree border;
   double area = 0;
   double hidden_area = 0;
   double touching = 0;
 };
 
-ExactSurface::ExactSurface(const Mesh& mesh)
-    : implementation_(std::make_unique<Implementation>(mesh)) {}
+ExactSurface::ExactSurface(const Mesh& mesh, double sheet_thickness)
+    : implementation_(std::make_unique<Implementation>(mesh, sheet_thickness)) {}
 
 ExactSurface::~ExactSurface() = default;
 
-bool ExactSurface::empty() const noexcept { return implementation_->triangles.empty(); }
+bool ExactSurface::empty() const noexcept { return implementation_->cumulative.empty(); }
 
 double ExactSurface::area() const noexcept { return implementation_->area; }
 
 double ExactSurface::hidden_area() const noexcept { return implementation_->hidden_area; }
 
 bool ExactSurface::inside(const Vector3& point) const noexcept {
-  return implementation_->winding.at(point) > 0.5;
+  return implementation_->inside(point);
 }
 
 SurfacePoint ExactSurface::closest(const Vector3& point) const {
-  return implementation_->surface_point(
-      implementation_->tree.closest_point_and_primitive(to_cgal(point)));
+  return implementation_->closest(point, nullptr);
 }
 
 SurfacePoint ExactSurface::closest(const Vector3& point, const SurfacePoint& from) const {
-  const auto triangle =
-      implementation_->triangles.begin() + static_cast<std::ptrdiff_t>(from.triangle);
-  return implementation_->surface_point(implementation_->tree.closest_point_and_primitive(
-      to_cgal(point), {to_cgal(from.position), triangle}));
+  return implementation_->closest(point, &from);
+}
+
+double ExactSurface::size_of_distance(const Vector3& point, const SurfacePoint& closest) const {
+  const double away = (point - closest.position).norm();
+  return closest.sheet ? std::abs(away - implementation_->thickness) : away;
+}
+
+double ExactSurface::distance(const Vector3& point, const SurfacePoint& closest) const {
+  const double away = (point - closest.position).norm();
+  if (closest.sheet) return away - implementation_->thickness;
+  return inside(point) ? -away : away;
 }
 
 SurfacePoint ExactSurface::at(double choice, double a, double b) const {
   const std::vector<double>& cumulative = implementation_->cumulative;
   const auto found =
       std::upper_bound(cumulative.begin(), cumulative.end(), choice * cumulative.back());
-  const auto index = std::min<std::ptrdiff_t>(found - cumulative.begin(),
-                                              static_cast<std::ptrdiff_t>(cumulative.size()) - 1);
-  const Kernel::Triangle_3& triangle = implementation_->triangles[static_cast<std::size_t>(index)];
+  const auto index = static_cast<std::size_t>(std::min<std::ptrdiff_t>(
+      found - cumulative.begin(), static_cast<std::ptrdiff_t>(cumulative.size()) - 1));
+  const Kernel::Triangle_3& triangle = implementation_->triangle(index);
   // Uniform in a triangle: Turk, Graphics Gems I, 1990.
   const double root = std::sqrt(a);
   const Vector3 position = (1 - root) * corner(triangle, 0) + root * (1 - b) * corner(triangle, 1) +
                            root * b * corner(triangle, 2);
-  return {position, area_vector(triangle).normalized(), static_cast<std::size_t>(index)};
+  return {position, area_vector(triangle).normalized(), index,
+          index >= implementation_->solids.triangles.size()};
 }
 
-bool ExactSurface::contested(const Vector3& point, const Vector3& closest, double window) const {
-  const Vector3 toward = closest - point;
-  const double distance = toward.norm();
-  if (distance == 0) return false;
-  const std::vector<Candidate> candidates = implementation_->within(point, distance + window);
+bool ExactSurface::contested(const Vector3& point, const SurfacePoint& closest,
+                             double window) const {
+  const Vector3 toward = closest.position - point;
+  if (toward == Vector3::Zero()) return false;
+  const std::vector<Candidate> candidates = implementation_->rivals_of(point, closest, window);
   return std::any_of(candidates.begin(), candidates.end(), [&](const Candidate& candidate) {
     return differs(candidate, point, toward) &&
            is_local_minimum(candidates, candidate, implementation_->touching);
   });
 }
 
-Rivals ExactSurface::rivals(const Vector3& point, const Vector3& closest, double window,
+Rivals ExactSurface::rivals(const Vector3& point, const SurfacePoint& closest, double window,
                             const Vector3& direction) const {
-  const Vector3 toward = closest - point;
+  const Vector3 toward = closest.position - point;
   Rivals rivals{false, angle_between(direction, toward)};
-  const double distance = toward.norm();
-  if (distance == 0) return rivals;
-  const std::vector<Candidate> candidates = implementation_->within(point, distance + window);
+  if (toward == Vector3::Zero()) return rivals;
+  const std::vector<Candidate> candidates = implementation_->rivals_of(point, closest, window);
   for (const Candidate& candidate : candidates) {
     const double angle = angle_between(direction, candidate.closest - point);
     const bool contests = !rivals.contested && differs(candidate, point, toward);
@@ -210,13 +262,6 @@ Rivals ExactSurface::rivals(const Vector3& point, const Vector3& closest, double
     rivals.angle = std::min(rivals.angle, angle);
   }
   return rivals;
-}
-
-bool ExactSurface::closed() const noexcept { return implementation_->segments.empty(); }
-
-double ExactSurface::border_distance(const Vector3& point) const {
-  if (implementation_->segments.empty()) return std::numeric_limits<double>::infinity();
-  return std::sqrt(implementation_->border.squared_distance(to_cgal(point)));
 }
 
 }  // namespace spm::baker

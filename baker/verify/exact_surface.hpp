@@ -12,8 +12,9 @@ namespace spm::baker {
 /// A point of the outer surface and the outward normal of the triangle it lies on.
 struct SurfacePoint {
   Vector3 position = Vector3::Zero();
-  Vector3 normal = Vector3::Zero();
-  std::size_t triangle = 0;  ///< of the outer surface
+  Vector3 normal = Vector3::Zero();  ///< of a sheet either of its normals
+  std::size_t triangle = 0;          ///< of the outer surface
+  bool sheet = false;                ///< of a sheet, and not of a solid
 };
 
 /// The features of a surface that compete for being the closest.
@@ -22,27 +23,33 @@ struct Rivals {
   double angle = 0;        ///< rad, from the direction asked about to the nearest of theirs
 };
 
-/// The reference against which assets are measured: the signed distance to the boundary of the
-/// union of a mesh's parts, exact up to rounding. It shares no code with the fit. Immutable; any
+/// The reference against which assets are measured: the lesser of the signed distance to the
+/// boundary of the union of a mesh's solids and of the distance to the sheets outside less their
+/// half-thickness, exact up to rounding (SOLID.md). It shares no code with the fit. Immutable; any
 /// number of threads may use it.
 class ExactSurface {
  public:
-  explicit ExactSurface(const Mesh& mesh);
+  /// `sheet_thickness`, m: from the middle of a sheet to what is felt of it.
+  explicit ExactSurface(const Mesh& mesh, double sheet_thickness = 0);
   ~ExactSurface();
   ExactSurface(const ExactSurface&) = delete;
   ExactSurface& operator=(const ExactSurface&) = delete;
 
-  [[nodiscard]] bool empty() const noexcept;          ///< no surface bounds a solid
+  [[nodiscard]] bool empty() const noexcept;          ///< nothing is felt
   [[nodiscard]] double area() const noexcept;         ///< m2
   [[nodiscard]] double hidden_area() const noexcept;  ///< m2, of the mesh, inside other parts
 
-  /// Whether a point is in the solid: its generalised winding number is above one half.
+  /// Whether a point is in a solid: its winding number is above one half.
   [[nodiscard]] bool inside(const Vector3& point) const noexcept;
 
-  /// The closest point of the outer surface.
+  /// The point of the outer surface whose distance counts.
   [[nodiscard]] SurfacePoint closest(const Vector3& point) const;
   /// The same; sooner found from a point of the surface that is not far off.
   [[nodiscard]] SurfacePoint closest(const Vector3& point, const SurfacePoint& from) const;
+
+  /// The signed distance of a point, m, and its size, which is sooner found, by that closest point.
+  [[nodiscard]] double distance(const Vector3& point, const SurfacePoint& closest) const;
+  [[nodiscard]] double size_of_distance(const Vector3& point, const SurfacePoint& closest) const;
 
   /// A point of the surface, uniform by area for `choice`, `a` and `b` uniform in [0, 1).
   [[nodiscard]] SurfacePoint at(double choice, double a, double b) const;
@@ -50,17 +57,13 @@ class ExactSurface {
   /// True where another feature of the surface is at most `window` metres farther away, in a
   /// direction that differs by more than 5 degrees from that of `closest`. That close to the medial
   /// axis, the closest feature and so the direction are arbitrary.
-  [[nodiscard]] bool contested(const Vector3& point, const Vector3& closest, double window) const;
+  [[nodiscard]] bool contested(const Vector3& point, const SurfacePoint& closest,
+                               double window) const;
 
   /// The same, and how far `direction`, from the point towards the surface, is from the nearest of
   /// those features' directions.
-  [[nodiscard]] Rivals rivals(const Vector3& point, const Vector3& closest, double window,
+  [[nodiscard]] Rivals rivals(const Vector3& point, const SurfacePoint& closest, double window,
                               const Vector3& direction) const;
-
-  [[nodiscard]] bool closed() const noexcept;  ///< the mesh has no border edge
-
-  /// Distance from a point to the nearest border edge of the mesh; infinite for a closed mesh.
-  [[nodiscard]] double border_distance(const Vector3& point) const;
 
  private:
   struct Implementation;

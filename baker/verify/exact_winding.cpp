@@ -7,6 +7,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
+#include <span>
 #include <utility>
 
 namespace spm::baker {
@@ -73,8 +74,8 @@ std::int32_t ExactWinding::Tree::append(const Tree& other) {
 class ExactWinding::Builder {
  public:
   explicit Builder(const Mesh& mesh) : vertices_(mesh.vertices) {
-    triangles_.reserve(mesh.triangles.size());
-    for (const Triangle& corners : mesh.triangles) {
+    triangles_.reserve(mesh.solid_triangles());
+    for (const Triangle& corners : std::span(mesh.triangles).first(mesh.solid_triangles())) {
       const auto& [a, b, c] = corners;
       triangles_.push_back({vertices_[a] + vertices_[b] + vertices_[c], corners});
     }
@@ -172,11 +173,9 @@ class ExactWinding::Builder {
 };
 
 ExactWinding::ExactWinding(const Mesh& mesh) {
-  if (mesh.triangles.empty()) return;
-  Builder builder(mesh);
+  if (mesh.solid_triangles() == 0) return;
   std::vector<Edge> boundary;
-  builder.build(0, static_cast<std::uint32_t>(mesh.triangles.size()), tree_, boundary);
-  boundary_ = builder.ends_of(boundary);
+  Builder(mesh).build(0, static_cast<std::uint32_t>(mesh.solid_triangles()), tree_, boundary);
 }
 
 double ExactWinding::at(const Vector3& point) const noexcept {
@@ -203,20 +202,6 @@ double ExactWinding::at(const Vector3& point) const noexcept {
     }
   }
   return sum.total() / (2 * std::numbers::pi);
-}
-
-double ExactWinding::variation(const Vector3& point, double distance) const noexcept {
-  if (tree_.nodes.empty()) return 0;
-  double gradient = 0;
-  for (const auto& [from, to] : boundary_) {
-    const Vector3 along = to - from;
-    const double length = along.norm();
-    // No point of the edge is nearer than this.
-    const double gap = (from + along / 2 - point).norm() - length / 2 - distance;
-    if (gap <= 0) return std::numeric_limits<double>::infinity();
-    gradient += length / (4 * std::numbers::pi * gap * gap);
-  }
-  return gradient * distance;
 }
 
 }  // namespace spm::baker

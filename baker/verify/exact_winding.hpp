@@ -11,19 +11,14 @@
 
 namespace spm::baker {
 
-/// Generalised winding number of a mesh, exact up to rounding: 1 inside one part, 2 where two parts
-/// overlap, 0 outside, in between near holes. Seen from outside its box, a cluster of triangles has
+/// Winding number of a mesh's solids, exact up to rounding: 1 inside one part, 2 where two parts
+/// overlap, 0 outside. Seen from outside its box, a cluster of triangles has
 /// the solid angle of any surface with the same boundary. So a fan over its boundary edges replaces
 /// it (Jacobson et al. 2013, section 4.2).
 class ExactWinding {
  public:
   explicit ExactWinding(const Mesh& mesh);
   [[nodiscard]] double at(const Vector3& point) const noexcept;
-
-  /// How much the winding number can change in a move of `distance` metres that crosses no
-  /// triangle. It is the solid angle of the mesh's boundary, whose gradient is at most that of a
-  /// current along the boundary.
-  [[nodiscard]] double variation(const Vector3& point, double distance) const noexcept;
 
  private:
   using Edge = std::array<std::uint32_t, 2>;
@@ -48,7 +43,6 @@ class ExactWinding {
   class Builder;
 
   Tree tree_;
-  std::vector<DirectedEdge> boundary_;  ///< of the mesh
 };
 
 }  // namespace spm::baker

@@ -184,15 +184,11 @@ bool VerifyReport::passed() const noexcept {
 
 VerifyReport report_of(const std::vector<Outcome>& outcomes, double threshold) {
   VerifyReport report;
-  std::uint64_t near_holes = 0;
-  for (const Outcome& outcome : outcomes) {
-    near_holes += outcome.near_holes.size();
-    report.samples += outcome.drawn ? 1 : 0;
-  }
+  for (const Outcome& outcome : outcomes) report.samples += outcome.drawn ? 1 : 0;
   report.counts = counts_of(outcomes, threshold);
   report.unanswered = share_of(report.counts.unanswered, report.samples);
   report.pruned = share_of(report.counts.pruned, report.samples);
-  report.near_holes = share_of(near_holes, near_holes + report.samples);
+  report.not_judged = share_of(outcomes.size() - report.samples, outcomes.size());
   report.threshold = threshold;
   add_distances(outcomes, report);
   add_histogram(outcomes, threshold, report);
@@ -210,30 +206,6 @@ void add_smoothing(const std::vector<Outcome>& outcomes, VerifyReport& report) {
   }
   report.smoothing = summarise(std::move(smoothing));
   report.total = summarise(std::move(total));
-}
-
-NearHolesReport near_holes_of(const std::vector<Outcome>& samples, const std::vector<Outcome>& hard,
-                              double threshold) {
-  NearHolesReport report;
-  std::vector<double> errors;
-  double worst = -1;
-  for (const std::vector<Outcome>* outcomes : {&samples, &hard}) {
-    for (const Outcome& outcome : *outcomes) {
-      for (const PlaceNearHole& place : outcome.near_holes) {
-        ++report.samples;
-        report.counts.pruned += place.pruned ? 1 : 0;
-        report.counts.unanswered += place.answered || place.pruned ? 0 : 1;
-        if (!place.answered) continue;
-        report.counts.beyond_tolerance += place.error > threshold ? 1 : 0;
-        errors.push_back(place.error);
-        if (place.error <= worst) continue;
-        worst = place.error;
-        report.worst_point = place.point;
-      }
-    }
-  }
-  report.distance = summarise(std::move(errors));
-  return report;
 }
 
 std::vector<WorstPlace> worst_places(const std::vector<Outcome>& samples,

@@ -16,24 +16,13 @@ inline constexpr std::uint64_t most_directions = 100'000;
 
 /// Nearer to the surface, m, the direction is lost in rounding.
 inline constexpr double min_distance_of_direction = 2e-6;
-/// Nearer to a border edge of the mesh, as a share of the diagonal, no side is defined.
-inline constexpr double hole_share = 0.03;
 
 /// Nearest-rank quantiles and the root of the mean square; 0 where there are no errors.
 [[nodiscard]] ErrorSummary summarise(std::vector<double> errors);
 
-/// A place beside a hole and the asset's result there, sides left aside.
-struct PlaceNearHole {
-  Vector3 point = Vector3::Zero();
-  bool answered = false;
-  bool pruned = false;
-  double error = 0;  ///< m, of the unsigned distance
-};
-
 /// One sample and the asset's result there.
 struct Outcome {
-  bool drawn = false;  ///< a place in the band and away from holes was found
-  std::vector<PlaceNearHole> near_holes;
+  bool drawn = false;  ///< a place in the band was found
   Vector3 point = Vector3::Zero();
   double truth = 0;
   bool answered = false;
@@ -49,15 +38,11 @@ struct Outcome {
   bool contested = false;       ///< the error is from the nearest of the directions that compete
 };
 
-/// All but the worst places, the places near holes, and the settings; `threshold` in metres.
+/// All but the worst places and the settings; `threshold` in metres.
 [[nodiscard]] VerifyReport report_of(const std::vector<Outcome>& outcomes, double threshold);
 
 /// Adds the changes by smoothing to a report.
 void add_smoothing(const std::vector<Outcome>& outcomes, VerifyReport& report);
-
-/// What there is to say of places near holes, of both kinds of samples.
-[[nodiscard]] NearHolesReport near_holes_of(const std::vector<Outcome>& samples,
-                                            const std::vector<Outcome>& hard, double threshold);
 
 /// At most `count` of the worst places of both, unanswered ones first, then by error; among equals
 /// those drawn first, and samples before hard places. Pruned places are none of them.

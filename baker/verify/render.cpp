@@ -72,8 +72,7 @@ class Eye {
 /// Error of an asset's distance at a place of the band, m. Empty outside the band or without an
 /// answer.
 std::optional<double> error_at(const ErrorScale& scale, const Vector3& place) {
-  const double distance = (place - scale.exact.closest(place).position).norm();
-  const double truth = scale.exact.inside(place) ? -distance : distance;
+  const double truth = scale.exact.distance(place, scale.exact.closest(place));
   if (truth < -scale.band.max_depth || truth > scale.band.margin) return std::nullopt;
   const Answer answer = query_point(scale.asset, place);
   if (!std::isfinite(answer.distance)) return std::nullopt;
@@ -94,7 +93,7 @@ Caster caster_of(const KnownSurface& surface) {
   OuterSurface loose;
   for (const auto& [x, y, z] : surface.vertices) loose.vertices.emplace_back(x, y, z);
   loose.triangles = surface.triangles;
-  loose.surface_count = loose.triangles.size();
+  loose.solid_count = loose.triangles.size();
   return Caster(loose);
 }
 

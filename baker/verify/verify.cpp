@@ -8,6 +8,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <nlohmann/json.hpp>
 #include <optional>
 #include <utility>
 #include <vector>
@@ -39,63 +40,40 @@ struct Setting {
   const AssetView& view;
   Band band;         ///< the band that is sampled
   double tolerance;  ///< m
-  double near_hole;  ///< m
   std::uint64_t seed;
   const AdversarialPlaces* adversarial = nullptr;  ///< else evenly all over
 };
 
 /// The change by smoothing at a sample's place, alone and together with the asset's own error.
 void judge_smoothing(const ExactSurface& unsmoothed, Outcome& outcome) {
-  const double distance = (outcome.point - unsmoothed.closest(outcome.point).position).norm();
-  const double truth = unsmoothed.inside(outcome.point) ? -distance : distance;
+  const double truth = unsmoothed.distance(outcome.point, unsmoothed.closest(outcome.point));
   outcome.smoothing_error = std::abs(outcome.truth - truth);
   outcome.total_error = outcome.answered ? std::abs(outcome.answer - truth) : 0;
 }
 
-/// The asset's result beside a hole, where either side may be the true one.
-PlaceNearHole judge_near_hole(const Setting& setting, const Vector3& point, double distance) {
-  const Answer answer = query_point(setting.view, point);
-  const Band& band = setting.view.band;
-  PlaceNearHole place;
-  place.point = point;
-  place.pruned = answer.status == Status::pruned;
-  if (answer.status == Status::far) {
-    place.answered = distance >= band.margin - setting.tolerance;
-    place.error = place.answered ? std::max(0.0, band.margin - distance) : 0;
-  } else if (std::isfinite(answer.distance)) {
-    place.answered = true;
-    place.error = answer.status == Status::deep ? std::max(0.0, band.max_depth - distance)
-                                                : std::abs(std::abs(answer.distance) - distance);
-  }
-  return place;
-}
-
-/// Draws places until one is in the band by its true distance and not beside a hole.
-Vector3 draw(const Setting& setting, std::uint64_t index, Outcome& outcome) {
-  Vector3 closest = Vector3::Zero();
+/// Draws places until one is in the band by its true distance.
+SurfacePoint draw(const Setting& setting, std::uint64_t index, Outcome& outcome) {
+  SurfacePoint closest;
+  const Band& band = setting.band;
   for (std::uint64_t attempt = 0; attempt < max_draws && !outcome.drawn; ++attempt) {
     const std::uint64_t counter = 4 * (index * max_draws + attempt);
-    const SurfacePoint start = setting.surface.at(random_unit(setting.seed, counter),
-                                                  random_unit(setting.seed, counter + 1),
-                                                  random_unit(setting.seed, counter + 2));
-    const double offset = -setting.band.max_depth + (setting.band.max_depth + setting.band.margin) *
-                                                        random_unit(setting.seed, counter + 3);
+    const auto random = [&](std::uint64_t k) { return random_unit(setting.seed, counter + k); };
+    const SurfacePoint start = setting.surface.at(random(0), random(1), random(2));
+    double offset = -band.max_depth + (band.max_depth + band.margin) * random(3);
+    // Both sides of a sheet are outside.
+    if (start.sheet) offset = (setting.view.sheet_thickness + band.margin) * (2 * random(3) - 1);
     outcome.point = setting.adversarial != nullptr
                         ? setting.adversarial->at(setting.seed, index * max_draws + attempt)
                         : Vector3(start.position + offset * start.normal);
-    closest = setting.adversarial != nullptr
-                  ? setting.surface.closest(outcome.point).position
-                  : setting.surface.closest(outcome.point, start).position;
-    const double distance = (outcome.point - closest).norm();
+    closest = setting.adversarial != nullptr ? setting.surface.closest(outcome.point)
+                                             : setting.surface.closest(outcome.point, start);
     // The side is computed last, since that takes by far the longest.
-    if (distance > std::max(setting.band.max_depth, setting.band.margin)) continue;
-    if (setting.surface.border_distance(closest) < setting.near_hole) {
-      outcome.near_holes.push_back(judge_near_hole(setting, outcome.point, distance));
+    if (setting.surface.size_of_distance(outcome.point, closest) >
+        std::max(band.max_depth, band.margin)) {
       continue;
     }
-    outcome.truth = setting.surface.inside(outcome.point) ? -distance : distance;
-    if (outcome.truth < -setting.band.max_depth || outcome.truth > setting.band.margin) continue;
-    outcome.drawn = true;
+    outcome.truth = setting.surface.distance(outcome.point, closest);
+    outcome.drawn = outcome.truth >= -band.max_depth && outcome.truth <= band.margin;
   }
   return closest;
 }
@@ -115,7 +93,7 @@ void judge_distance(const Setting& setting, const Answer& answer, Outcome& outco
 
 Outcome measure(const Setting& setting, std::uint64_t index) {
   Outcome outcome;
-  const Vector3 closest = draw(setting, index, outcome);
+  const SurfacePoint closest = draw(setting, index, outcome);
   if (!outcome.drawn) return outcome;
   const Answer answer = query_point(setting.view, outcome.point);
   judge_distance(setting, answer, outcome);
@@ -133,6 +111,19 @@ Outcome measure(const Setting& setting, std::uint64_t index) {
 unsigned threads_of(const VerifyOptions& options) {
   return options.threads > 0 ? options.threads
                              : static_cast<unsigned>(tbb::info::default_concurrency());
+}
+
+/// What the open surfaces of an asset's mesh were taken for, by its options.
+OpenAs recorded_open_as(const std::string& options) {
+  const nlohmann::json json = nlohmann::json::parse(options, nullptr, false);
+  if (!json.is_object() || !json.contains("open")) return OpenAs::automatic;
+  for (std::size_t i = 0; i < open_as_words.size(); ++i) {
+    if (json["open"] == open_as_words[i]) return static_cast<OpenAs>(i);
+  }
+  throw BakeError(
+      ExitCode::invalid_input,
+      "options.open of the asset is no word that this program knows; verify it with the "
+      "program that baked it");
 }
 
 /// The band to sample, after checking the options.
@@ -161,15 +152,14 @@ VerifyReport verify_against(const Mesh& mesh, const AssetView& view, const Asset
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                                   threads_of(options));
   const Band band = checked_band(metadata, options);
-  const ExactSurface surface(mesh);
+  const double thickness = metadata.sheet_thickness;
+  const ExactSurface surface(mesh, thickness);
   const std::optional<ExactSurface> before =
-      unsmoothed != nullptr ? std::optional<ExactSurface>(std::in_place, *unsmoothed)
+      unsmoothed != nullptr ? std::optional<ExactSurface>(std::in_place, *unsmoothed, thickness)
                             : std::nullopt;
   if (surface.empty()) {
     throw BakeError(ExitCode::invalid_input,
-                    mesh.path +
-                        ": no part of its surface bounds a solid; close the mesh or turn its "
-                        "triangles outward");
+                    mesh.path + ": nothing of its surface is felt; turn its triangles outward");
   }
   // The fit uses the same generator. A different seed keeps the two sets of places apart.
   const Setting setting{surface,
@@ -177,7 +167,6 @@ VerifyReport verify_against(const Mesh& mesh, const AssetView& view, const Asset
                         view,
                         band,
                         metadata.tolerance.value_or(metadata.diagonal / 1000),
-                        hole_share * metadata.diagonal,
                         random_bits(options.seed, 0x7665726966790000ULL)};
   const auto measured = [&](const Setting& how, std::uint64_t count) {
     std::vector<Outcome> outcomes(count);
@@ -188,9 +177,7 @@ VerifyReport verify_against(const Mesh& mesh, const AssetView& view, const Asset
   const std::vector<Outcome> first = measured(setting, std::min(options.samples, first_samples));
   if (std::none_of(first.begin(), first.end(), [](const Outcome& o) { return o.drawn; })) {
     throw BakeError(ExitCode::invalid_input,
-                    mesh.path +
-                        ": no place to measure: everywhere is within 3 % of the diagonal of a "
-                        "border edge; close the mesh's holes");
+                    mesh.path + ": no place to measure: none lies in the band");
   }
   const std::vector<Outcome> outcomes = measured(setting, options.samples);
   Setting hard = setting;
@@ -203,10 +190,8 @@ VerifyReport verify_against(const Mesh& mesh, const AssetView& view, const Asset
   report.adversarial = {
       hardest.samples,           hardest.counts,     hardest.distance,   hardest.inside_as_outside,
       hardest.outside_as_inside, hardest.unanswered, hardest.worst_point};
-  report.near_holes_judged = near_holes_of(outcomes, hard_outcomes, setting.tolerance);
   report.jumps = border_jumps(
-      {surface, view, band, setting.tolerance, setting.near_hole, random_bits(setting.seed, 2)},
-      options.samples / 4);
+      {surface, view, band, setting.tolerance, random_bits(setting.seed, 2)}, options.samples / 4);
   report.worst = worst_places(outcomes, hard_outcomes, setting.tolerance, options.worst);
   if (before) add_smoothing(outcomes, report);
   report.band = band;
@@ -226,12 +211,10 @@ Mesh mesh_of_asset(const AssetMetadata& metadata, const std::string& mesh_path) 
                         ": not the mesh that the asset was baked from (its SHA-256 differs); "
                         "give that mesh, or bake this one");
   }
-  Mesh mesh = load_mesh(mesh_path, LoadOptions{metadata.mesh_unit, std::nullopt, true});
-  for (Vector3& vertex : mesh.vertices) vertex *= metadata.scale;
-  mesh.box_min *= metadata.scale;
-  mesh.box_max *= metadata.scale;
-  mesh.diagonal *= metadata.scale;
-  return mesh;
+  return load_mesh(mesh_path, {.unit = metadata.mesh_unit,
+                               .scale = metadata.scale,
+                               .outside_buffers = true,
+                               .open_as = recorded_open_as(metadata.options)});
 }
 
 VerifyReport verify_asset(const AssetView& view, const AssetMetadata& metadata,

@@ -45,16 +45,6 @@ struct WorstPlace {
   bool hard = false;  ///< of the places of AdversarialReport
 };
 
-/// Results near border edges. No side is defined beside a hole, so distances are compared without
-/// their sign: with the distance to the exact surface, or where the answer is `deep` or `far`, only
-/// whether it may be that. Not part of the verdict.
-struct NearHolesReport {
-  std::uint64_t samples = 0;
-  Counts counts;          ///< none on the wrong side
-  ErrorSummary distance;  ///< m, of the unsigned distance
-  Vector3 worst_point = Vector3::Zero();
-};
-
 /// Results at the places where an asset is likeliest wrong; see AdversarialPlaces.
 struct AdversarialReport {
   std::uint64_t samples = 0;
@@ -70,11 +60,9 @@ struct DirectionSummary {
 };
 
 /// How far answers jump where two leaves of a `sparse` asset's octree meet; see border_jumps.
-/// Places near border edges of the mesh are only counted, since no side is defined there.
 struct JumpReport {
   std::uint64_t places = 0;               ///< where both sides answered and were compared
   std::uint64_t borders = 0;              ///< pairs of leaves that these lie between
-  std::uint64_t near_holes = 0;           ///< places left out
   std::uint64_t contested = 0;            ///< places close to the medial axis
   std::uint64_t beyond = 0;               ///< jumps of the distance above `allowed`
   double allowed = 0;                     ///< m, twice the tolerance and a little
@@ -100,22 +88,21 @@ struct VerifyReport {
   double outside_as_inside = 0;  ///< likewise
   double unanswered = 0;         ///< share of all samples; `pruned` is no part of it
   double pruned = 0;             ///< share of all samples that lie where the bake left out
-  double near_holes = 0;         ///< share of the drawn places that lie near border edges
+  double not_judged = 0;         ///< share of the samples for which no place in the band was found
   double fallback_answers = 0;   ///< share of the answers that came from triangles
   /// Only for an asset of a smoothed surface, against which all else is judged: how far the
   /// distance to the unsmoothed surface is from that to the smoothed one, and from the answer, m.
   std::optional<ErrorSummary> smoothing, total;
   std::uint64_t samples = 0;
-  std::uint64_t seed = 0;             ///< which the places were drawn with
-  Counts counts;                      ///< of the samples
-  AdversarialReport adversarial;      ///< of half as many places again
-  NearHolesReport near_holes_judged;  ///< of all places drawn there, hard ones too
-  JumpReport jumps;                   ///< at a quarter as many places
-  std::vector<WorstPlace> worst;      ///< unanswered first, then by error, largest first
-  Band band;                          ///< the band that was sampled
-  std::optional<double> tolerance;    ///< m, the promise; nothing where the asset makes none
-  bool tolerance_met = false;         ///< as the asset records it
-  double threshold = 0;               ///< m, what counts as beyond: the promise, or in its place
+  std::uint64_t seed = 0;           ///< which the places were drawn with
+  Counts counts;                    ///< of the samples
+  AdversarialReport adversarial;    ///< of half as many places again
+  JumpReport jumps;                 ///< at a quarter as many places
+  std::vector<WorstPlace> worst;    ///< unanswered first, then by error, largest first
+  Band band;                        ///< the band that was sampled
+  std::optional<double> tolerance;  ///< m, the promise; nothing where the asset makes none
+  bool tolerance_met = false;       ///< as the asset records it
+  double threshold = 0;             ///< m, what counts as beyond: the promise, or in its place
   Vector3 worst_point = Vector3::Zero();  ///< where the distance error is largest, asset's frame
 
   /// Samples and hard places that were judged: all but those that the bake left out.
@@ -153,9 +140,7 @@ struct VerifyOptions {
 ///
 /// The true distance of a sample lies in the band. At the two ends of the band an answer is a
 /// bound: `deep` counts as -max_depth. `far` counts as the margin where that is within the
-/// tolerance of the truth, and as no answer elsewhere. A sample is drawn again where its closest
-/// point is within 3 % of the diagonal of a border edge, since the side is not defined beside a
-/// hole; such places are judged apart, see NearHolesReport. Directions are judged where they are
+/// tolerance of the truth, and as no answer elsewhere. Directions are judged where they are
 /// defined: 2 um or more from the surface, and farther than two tolerances from the medial axis.
 /// Nearer to that axis they are judged apart, against the nearest of the directions that compete.
 /// Whether the bake was right to leave a place out is not judged. Without a tolerance, a thousandth

@@ -89,8 +89,8 @@ class Legends {
 std::vector<NamedPicture> error_pictures(const AssetView& view, const AssetMetadata& metadata,
                                          const std::string& mesh_path, const VerifyReport& report) {
   const Mesh mesh = mesh_of_asset(metadata, mesh_path);
-  const ExactSurface exact(mesh);
-  const Caster surface(outer_surface(mesh));
+  const ExactSurface exact(mesh, metadata.sheet_thickness);
+  const Caster surface(outer_surface(mesh), metadata.sheet_thickness);
   const Caster known = caster_of(known_surface(view));
 
   const bool hard = report.adversarial.distance.max > report.distance.max;
@@ -106,8 +106,7 @@ std::vector<NamedPicture> error_pictures(const AssetView& view, const AssetMetad
   const Window wide_cut{cut.middle, cut.toward, 2 * cut.edge};
   const ErrorScale scale{exact, view, report.band,
                          metadata.tolerance.value_or(metadata.diagonal / 1000)};
-  const DirectionScale directions{exact, view, scale.tolerance, hole_share * metadata.diagonal,
-                                  direction_end};
+  const DirectionScale directions{exact, view, scale.tolerance, direction_end};
 
   const std::array<Picture, 2> both{render(surface, whole, side), render(known, whole, side)};
   const std::array<Picture, 2> structure{structure_on_surface(surface, view, whole, side),

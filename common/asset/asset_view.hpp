@@ -31,8 +31,7 @@ struct Band {
 /// A list is a header word, then one word for each of its maps, then one for each of its triangles:
 ///   header: bits 0-7 the number of maps, bits 8-23 the number of triangles, the rest 0;
 ///   map: bits 0-23 the map, bits 24-31 its layer;
-///   triangle: its number, times two, plus one for a cap, which decides the side but carries no
-///     distance.
+///   triangle: its number, times two, plus one for a sheet's.
 /// Words are read in place from a file that may be damaged after it was checked, so a reader checks
 /// every offset and index before it uses it.
 struct Grid {
@@ -105,8 +104,9 @@ struct AssetView {
   IndexedTriangles exact;            ///< `sparse` only
   Band band;
   Vector3 box_low = unknown_box(-1), box_high = unknown_box(1);  ///< m, of the mesh
-  double tolerance = 0;  ///< m; how far beyond the band's end an answer may lie
-  bool full = false;     ///< map k belongs to plane k and `paper` applies
+  double tolerance = 0;        ///< m; how far beyond the band's end an answer may lie
+  double sheet_thickness = 0;  ///< m, from the middle of a sheet to what is felt of it
+  bool full = false;           ///< map k belongs to plane k and `paper` applies
 
   /// True where the paper's equations can be evaluated: there are planes, and each has its map.
   [[nodiscard]] bool maps_every_plane() const noexcept {

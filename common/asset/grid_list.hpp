@@ -32,7 +32,7 @@ class GridList {
   [[nodiscard]] std::uint32_t triangles() const noexcept { return triangles_; }
   /// A map's candidate word; `which` is below maps().
   [[nodiscard]] std::uint32_t map(std::uint32_t which) const noexcept { return words_[which]; }
-  /// A triangle's number times two, plus one for a cap; `which` is below triangles().
+  /// A triangle's number times two, plus one for a sheet's; `which` is below triangles().
   [[nodiscard]] std::uint32_t triangle(std::uint32_t which) const noexcept {
     return words_[maps_ + which];
   }

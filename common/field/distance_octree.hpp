@@ -30,7 +30,7 @@ enum class OctreeKind : std::uint32_t {
 /// octants, and so on. Views; nothing is owned.
 ///
 /// A root's word: bits 0-3 its kind, bits 4-31 its first unit; of a `far` root the distance of the
-/// surface and the caps from its middle instead, in clearance_unit, rounded down.
+/// surface from its middle instead, in clearance_unit, rounded down.
 /// Units of a split cube: word 0 is the first unit of its octants, which lie one behind the other;
 ///   word 1 has the octants' kinds, four bits each, octant 0 (octant.hpp) lowest.
 /// Unit of a list: word 0 is the list's place in `lists`; word 1 how many and of which kind

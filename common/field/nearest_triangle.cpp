@@ -350,9 +350,9 @@ NearestTriangle find_nearest_triangle(const IndexedTriangles& mesh, const Triang
   const Lanes lanes;
   const WholeLanes whole;
   const Floats zero = hn::Zero(lanes);
-  const bool caps = part == ListPart::caps;
-  const std::size_t first = caps ? list.surface : 0;
-  const std::size_t end = first + (caps ? list.caps : list.surface);
+  const bool sheets = part == ListPart::sheets;
+  const std::size_t first = sheets ? list.solids : 0;
+  const std::size_t end = first + (sheets ? list.sheets : list.solids);
   if (mesh.corner_count() == 0 || mesh.size() == 0 || end == first) return {};
   const LatticePlace place = lattice_place(mesh, point);
   NearestInLanes nearest{{hn::Set(lanes, std::numeric_limits<float>::infinity()),
@@ -365,7 +365,7 @@ NearestTriangle find_nearest_triangle(const IndexedTriangles& mesh, const Triang
   const double bound_unit = reach / 255 / mesh.step;
   for (std::size_t k = first; k < end; k += packet_size) {
     if (list.has_bounds()) {
-      const std::size_t before = caps ? packets_of(list.surface) : 0;
+      const std::size_t before = sheets ? packets_of(list.solids) : 0;
       const double bound = bound_unit * list.bound(before + (k - first) / packet_size);
       if (bound * bound > static_cast<double>(nearest.least())) break;
     }

@@ -11,7 +11,7 @@
 
 namespace spm {
 
-enum class ListPart { surface, caps };
+enum class ListPart { solids, sheets };
 
 /// The nearest triangle of a list, in single precision.
 struct NearestTriangle {

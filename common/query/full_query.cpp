@@ -73,8 +73,21 @@ bool triangle_corners(const AssetView& asset, std::size_t triangle,
   return true;
 }
 
-/// The closest of a list's triangles. The side is decided by the closest one, caps included;
-/// where several share the closest point (an edge, a corner), by the one that faces the point most.
+/// Of sheets there is no inside: they are felt at a half-thickness from either side.
+void meet_sheet(const AssetView& asset, const std::array<Vector3, 3>& corners, const Vector3& point,
+                Answer& answer) noexcept {
+  const auto& [a, b, c] = corners;
+  const Vector3 away = point - closest_on_triangle(point, a, b, c);
+  const double length = away.norm(), distance = length - asset.sheet_thickness;
+  if (answer.status == Status::exact && answer.distance <= distance) return;
+  answer.distance = distance;
+  answer.normal = length > 0 ? Vector3(away / length) : (b - a).cross(c - a).normalized();
+  answer.source = Source::triangles;
+  answer.status = Status::exact;
+}
+
+/// The closest of a list's triangles. The side is that of the closest one of solids; where several
+/// share the closest point (an edge, a corner), of the one that faces the point most.
 Answer closest_of_triangles(const AssetView& asset, const GridList& list,
                             const Vector3& point) noexcept {
   const double tie = tie_share_of_cell * asset.grid.cell_size;
@@ -83,12 +96,11 @@ Answer closest_of_triangles(const AssetView& asset, const GridList& list,
   for (std::uint32_t k = 0; k < list.triangles(); ++k) {
     const std::uint32_t candidate = list.triangle(k);
     std::array<Vector3, 3> corners;
-    if (!triangle_corners(asset, candidate >> 1U, corners)) continue;
+    if ((candidate & 1U) != 0 || !triangle_corners(asset, candidate >> 1U, corners)) continue;
     const auto& [a, b, c] = corners;
     const Vector3 nearest = closest_on_triangle(point, a, b, c);
     const double distance = (point - nearest).norm();
-    const bool cap = (candidate & 1U) != 0;
-    if (distance > deciding + tie && (cap || distance >= surface)) continue;
+    if (distance > deciding + tie) continue;
     const Vector3 normal = (b - a).cross(c - a).normalized();
     const double height = normal.dot(point - nearest);
     const double faces = distance > 0 ? std::abs(height) / distance : 1;
@@ -97,12 +109,11 @@ Answer closest_of_triangles(const AssetView& asset, const GridList& list,
       side = height < 0 ? -1 : 1;
       facing = faces;
       deciding = clearly_closer ? distance : std::min(distance, deciding);
-      if (!cap) face_normal = normal;
+      face_normal = normal;
     }
-    if (!cap && distance < surface) {
+    if (distance < surface) {
       surface = distance;
       closest_point = nearest;
-      if (face_normal.isZero()) face_normal = normal;
     }
   }
   if (!std::isfinite(surface)) return unanswered(Status::far);
@@ -160,8 +171,17 @@ Answer query_full(const AssetView& asset, const Vector3& point) noexcept {
   if (list.triangles() == 0) return answer;
   const Answer exact = closest_of_triangles(asset, list, point);
   const bool nearer =
-      answer.status != Status::exact || std::abs(exact.distance) < std::abs(answer.distance);
-  return nearer ? exact : answer;
+      answer.status != Status::exact ||
+      (exact.status == Status::exact && std::abs(exact.distance) < std::abs(answer.distance));
+  if (nearer) answer = exact;
+  for (std::uint32_t k = 0; k < list.triangles(); ++k) {
+    std::array<Vector3, 3> corners;
+    const std::uint32_t candidate = list.triangle(k);
+    if ((candidate & 1U) != 0 && triangle_corners(asset, candidate >> 1U, corners)) {
+      meet_sheet(asset, corners, point, answer);
+    }
+  }
+  return answer;
 }
 
 }  // namespace spm

@@ -62,22 +62,25 @@ ClosestOnList closest_on_list(const AssetView& asset, const TriangleList& list, 
 Answer answer_by_list(const AssetView& asset, const std::uint32_t* unit,
                       const Vector3& point) noexcept {
   const TriangleList list = list_of(asset.octree, unit);
-  const ClosestOnList closest = closest_on_list(asset, list, ListPart::surface, point);
-  if (closest.distance < 0) return unanswered(Status::far);
-  bool inside = list.side == ListSide::inside;
-  if (list.side == ListSide::surface) {
-    inside = closest.inside;
-    if (list.caps != 0) {
-      const ClosestOnList cap = closest_on_list(asset, list, ListPart::caps, point);
-      if (cap.distance >= 0 && cap.distance < closest.distance) inside = cap.inside;
+  ClosestOnList closest = closest_on_list(asset, list, ListPart::solids, point);
+  bool inside = list.side == ListSide::surface ? closest.inside : list.side == ListSide::inside;
+  double distance = inside ? -closest.distance : closest.distance;
+  if (list.sheets != 0) {
+    const ClosestOnList sheet = closest_on_list(asset, list, ListPart::sheets, point);
+    const double beside = sheet.distance - asset.sheet_thickness;
+    if (sheet.distance >= 0 && (closest.distance < 0 || beside < distance)) {
+      closest = sheet;
+      inside = false;
+      distance = beside;
     }
   }
+  if (closest.distance < 0) return unanswered(Status::far);
   Answer answer;
-  answer.distance = inside ? -closest.distance : closest.distance;
+  answer.distance = distance;
   answer.source = Source::triangles;
   answer.status = Status::exact;
   if (closest.distance > surface_share * asset.tolerance) {
-    const double per = 1 / answer.distance;
+    const double per = (inside ? -1 : 1) / closest.distance;
     const double x = per * closest.away[0], y = per * closest.away[1], z = per * closest.away[2];
     // The distance may be of single precision, so that one of Newton's steps makes the length 1.
     const double right = 1.5 - 0.5 * (x * x + y * y + z * z);

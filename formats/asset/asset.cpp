@@ -109,12 +109,17 @@ AssetTables tables_of(const Asset& asset) {
                .index = asset.grid.index,
                .records = asset.grid.records};
   asset.octree.add_to(rest);
-  rest.band = asset.metadata.band;
-  rest.box_low = asset.metadata.box_min;
-  rest.box_high = asset.metadata.box_max;
-  rest.tolerance = answer_tolerance(asset.metadata);
-  rest.full = asset.metadata.form == AssetForm::full;
+  asset.metadata.add_to(rest);
   return AssetTables(asset.planes, std::move(maps), std::move(offsets), std::move(tiles), rest);
+}
+
+void AssetMetadata::add_to(AssetView& view) const noexcept {
+  view.band = band;
+  view.box_low = box_min - Vector3::Constant(sheet_thickness);
+  view.box_high = box_max + Vector3::Constant(sheet_thickness);
+  view.tolerance = answer_tolerance(*this);
+  view.sheet_thickness = sheet_thickness;
+  view.full = form == AssetForm::full;
 }
 
 void round_to_stored(Asset& asset) {

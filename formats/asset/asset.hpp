@@ -13,7 +13,7 @@
 namespace spm {
 
 /// The version of the file format that this program writes and reads.
-inline constexpr int asset_format_version = 5;
+inline constexpr int asset_format_version = 6;
 
 enum class AssetForm { sparse, full };
 
@@ -41,10 +41,15 @@ struct AssetMetadata {
   double height_unit = 1;           ///< m per unit of the tiles' heights; `sparse` only
   std::uint32_t layers_max = 0;     ///< most crossings met along one ray
   double inconsistent_samples = 0;  ///< part of the rays whose crossings did not alternate
-  /// Part of the surface's area, at holes and where sheets lie on each other, beside which the side
-  /// is tried and not proven; `sparse` only.
+  /// Part of the surface's area, where two walls lie on each other, beside which the side is tried
+  /// and not proven; `sparse` only.
   double tried_area = 0;
   double fallback_cells = 0;  ///< part of the record cells that have triangles
+  /// m, from the middle of a sheet to what is felt of it; 0 where the mesh has no sheets.
+  double sheet_thickness = 0;
+
+  /// Sets what a query reads of this.
+  void add_to(AssetView& view) const noexcept;
 };
 
 /// One distance map of a `full` asset in memory; see DistanceMap for the meaning of each field.

@@ -141,6 +141,7 @@ AssetMetadata read_metadata(JsonFields& fields) {
   metadata.inconsistent_samples = fields.number("inconsistent_samples", 0, 1);
   metadata.tried_area = fields.number("tried_area", 0, 1);
   metadata.fallback_cells = fields.number("fallback_cells", 0, 1);
+  metadata.sheet_thickness = fields.number("sheet_thickness", 0);
   return metadata;
 }
 
@@ -297,6 +298,7 @@ std::string to_json(const AssetDescription& description) {
                {"inconsistent_samples", metadata.inconsistent_samples},
                {"tried_area", metadata.tried_area},
                {"fallback_cells", metadata.fallback_cells},
+               {"sheet_thickness", metadata.sheet_thickness},
                {"mesh", mesh_json(metadata)}};
   if (metadata.form == AssetForm::full) {
     json["grid"] = grid_json(description);

@@ -256,11 +256,7 @@ Result<AssetTables> lay_out(std::span<const std::byte> bytes, const std::vector<
   const std::string_view wrong =
       full ? find_grid(parts, description, rest) : find_octree(parts, description, rest);
   if (!wrong.empty()) return wrong_part(path, wrong);
-  rest.band = description.metadata.band;
-  rest.box_low = description.metadata.box_min;
-  rest.box_high = description.metadata.box_max;
-  rest.tolerance = answer_tolerance(description.metadata);
-  rest.full = full;
+  description.metadata.add_to(rest);
   return AssetTables(description.planes, std::move(maps->maps), std::move(maps->layer_offsets),
                      std::move(*tiles), rest);
 }

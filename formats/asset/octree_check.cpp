@@ -115,7 +115,7 @@ class OctreeCheck {
   }
 
   [[nodiscard]] std::string_view list_problem(const std::uint32_t* words) {
-    if ((words[1] & max_listed_surface) == 0) return "has a list without triangles of the surface";
+    if ((words[1] & 0x0FFFFFFFU) == 0) return "has a list without triangles";
     if (words[1] >> 31U != 0 ||
         (words[1] >> 28U & 3U) > static_cast<std::uint32_t>(ListSide::inside)) {
       return "has a list of no side";
@@ -191,7 +191,7 @@ std::string octree_problem(const AssetView& asset, std::size_t* steps) {
     }
     const Corners corners = corners_of(asset.exact, i);
     if (is_far_outside(asset, corners)) return "a triangle lies outside its octree";
-    if (wide && !traits_of(asset.exact, i).cap && is_lost(asset, corners)) {
+    if (wide && is_lost(asset, corners)) {
       return "a cube of its octree says that the surface is not in it, but a triangle is";
     }
   }

@@ -21,7 +21,7 @@ struct TriangleByHand {
   std::array<std::array<std::int32_t, 3>, 3> corners{};  ///< steps of the lattice from its middle
   FeatureSides sides = 0;
   bool bare = false;  ///< no tile shows it
-  bool cap = false;
+  bool sheet = false;
   bool thin = false;
 };
 
@@ -64,7 +64,7 @@ inline std::uint32_t add_triangle(OctreeData& octree, const TriangleByHand& tria
   append(octree.triangles, pack_three(corners, triangle.thin));
   if (number % 2 == 0) octree.sides.push_back(0);
   octree.sides.back() |=
-      pack_traits({.sides = triangle.sides, .bare = triangle.bare, .cap = triangle.cap})
+      pack_traits({.sides = triangle.sides, .bare = triangle.bare, .sheet = triangle.sheet})
       << 16U * (number % 2);
   return number;
 }
@@ -88,15 +88,15 @@ inline std::uint32_t add_triangle(OctreeData& octree, const TriangleByHand& tria
 /// Adds a list of triangles in this order, and gives the two words of its unit. `bounds` are those
 /// of its packets, where it has any; 0 where they are left out.
 inline std::array<std::uint32_t, 2> add_list(OctreeData& octree,
-                                             const std::vector<std::uint32_t>& surface,
-                                             const std::vector<std::uint32_t>& caps = {},
+                                             const std::vector<std::uint32_t>& solids,
+                                             const std::vector<std::uint32_t>& sheets = {},
                                              ListSide side = ListSide::surface,
                                              const std::vector<std::uint32_t>& bounds = {}) {
   const auto first = static_cast<std::uint32_t>(octree.lists.size());
-  const TriangleList list{.surface = static_cast<std::uint32_t>(surface.size()),
-                          .caps = static_cast<std::uint32_t>(caps.size())};
-  std::vector<std::uint32_t> numbers = surface, words(list.word_count(), 0);
-  numbers.insert(numbers.end(), caps.begin(), caps.end());
+  const TriangleList list{.solids = static_cast<std::uint32_t>(solids.size()),
+                          .sheets = static_cast<std::uint32_t>(sheets.size())};
+  std::vector<std::uint32_t> numbers = solids, words(list.word_count(), 0);
+  numbers.insert(numbers.end(), sheets.begin(), sheets.end());
   if (!numbers.empty()) words[0] = *std::min_element(numbers.begin(), numbers.end());
   for (std::size_t k = 0; k < numbers.size(); ++k) {
     words[1 + k / 2] |= (numbers[k] - words[0]) << 16U * (k % 2);
@@ -105,7 +105,7 @@ inline std::array<std::uint32_t, 2> add_list(OctreeData& octree,
     words[list.number_words() + k / 4] |= bounds[k] << 8U * (k % 4);
   }
   octree.lists.insert(octree.lists.end(), words.begin(), words.end());
-  return {first, list_word(list.surface, list.caps, side, false)};
+  return {first, list_word(list.solids, list.sheets, side, false)};
 }
 
 /// The words of a chain of this many splits, each the last octant of the one before; the last

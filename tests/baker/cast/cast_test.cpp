@@ -84,7 +84,7 @@ TEST_CASE("A ray into an open shape is marked") {
   OuterSurface surface;
   surface.vertices = open.vertices;
   surface.triangles = open.triangles;
-  surface.surface_count = surface.triangles.size();
+  surface.solid_count = surface.triangles.size();
   const Caster caster(surface);
   const SupportPlane plane = plane_with_normal({0.02, 0, 0}, Vector3::UnitX());
   const PlaneCoordinates place = project_on_plane(plane, {0.02, 0.003, 0.004});
@@ -118,7 +118,7 @@ TEST_CASE("The triangles within a radius are those that brute force finds") {
         OuterSurface one;
         one.vertices = {caster.corner(t, 0), caster.corner(t, 1), caster.corner(t, 2)};
         one.triangles = {{0, 1, 2}};
-        one.surface_count = 1;
+        one.solid_count = 1;
         return one;
       }());
       if (std::abs(single.closest(point).distance) <= 0.008) expected.push_back(t);

@@ -166,7 +166,7 @@ TEST_CASE("verify --json has the keys of a verdict, and another seed judges othe
     CHECK(json["counts"].at(key) == 0);
     CHECK(json["adversarial"]["counts"].at(key) == 0);
   }
-  CHECK(json["near_holes_judged"]["samples"] == 0);
+  CHECK(json["not_judged"] == 0);
   const Json& jumps = json["jumps"];
   CHECK(jumps["borders"] > 0);
   CHECK(jumps["allowed_um"].get<double>() == Approx(200.01));
@@ -231,12 +231,8 @@ TEST_CASE("What a verdict leaves out is told with its number of places") {
   VerifyReport report = faultless();
   report.counts.pruned = 250'000;
   report.pruned = 0.25;
-  report.near_holes_judged.samples = 1234;
-  report.near_holes_judged.counts.unanswered = 2;
   const std::string text = describe(report);
   CHECK_THAT(text, Catch::Contains("cut away       250,000 places (25.0 % of the samples)"));
-  CHECK_THAT(text, Catch::Contains("near holes     1,234 places") &&
-                       Catch::Contains("2 unanswered, none beyond 50 um"));
   CHECK_THAT(verdict_of(report), Catch::StartsWith("kept: 0 of 750,000 places"));
 }
 

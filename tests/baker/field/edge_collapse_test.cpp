@@ -26,7 +26,7 @@ OuterSurface surface_of(const test::Shape& shape, const std::vector<LooseTriangl
   OuterSurface surface;
   surface.vertices = shape.vertices;
   for (const LooseTriangle& triangle : triangles) surface.triangles.push_back(triangle.corners);
-  surface.surface_count = surface.triangles.size();
+  surface.solid_count = surface.triangles.size();
   return surface;
 }
 
@@ -145,27 +145,27 @@ TEST_CASE("Sheets that are closer than the surface may move to be safe stay as t
   CHECK(collapsed(sheet).triangles.size() == sheet.triangles.size());
 }
 
-TEST_CASE("Vertices beside a hole and of caps stay") {
+TEST_CASE("Vertices beside a hole and of sheets stay") {
   test::Shape box = gridded_box({0.01, 0.01, 0.01}, 16);
   box.triangles.erase(box.triangles.begin(), box.triangles.begin() + 2);
   std::vector<LooseTriangle> triangles = loose(box);
   const Caster caster(surface_of(box, triangles));
-  // Two of one face are caps.
+  // One of a face is of a sheet.
   const std::set<std::uint32_t> kept(triangles[10].corners.begin(), triangles[10].corners.end());
-  triangles[10].cap = true;
+  triangles[10].sheet = true;
   (void)collapse_edges(box.vertices, caster, rules, triangles);
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> ways;
   std::set<std::uint32_t> left;
-  std::size_t caps = 0;
+  std::size_t sheets = 0;
   for (const LooseTriangle& triangle : triangles) {
-    caps += triangle.cap ? 1 : 0;
+    sheets += triangle.sheet ? 1 : 0;
     left.insert(triangle.corners.begin(), triangle.corners.end());
     for (std::size_t k = 0; k < 3; ++k) {
       const std::uint32_t a = triangle.corners[k], b = triangle.corners[(k + 1) % 3];
       ways[std::minmax(a, b)] += a < b ? 1 : -1;
     }
   }
-  CHECK(caps == 1);
+  CHECK(sheets == 1);
   CHECK(std::includes(left.begin(), left.end(), kept.begin(), kept.end()));
   CHECK(std::count_if(ways.begin(), ways.end(), [](const auto& w) { return w.second != 0; }) == 4);
 }

@@ -283,16 +283,15 @@ ProofCounts prove_and_spoil(const Built& made, bool pairs, const Fit& fit) {
     made.rounded.within(cube.middle, distance + 2 * cube.radius(), near);
     const Candidates candidates = candidates_of(made.lattice, near, cube);
     std::optional<bool> inside;
-    if (candidates.clearance() > cube.radius()) {
-      inside = is_middle_inside(made.lattice, made.rounded, candidates, cube);
+    if (candidates.solids.distance() > cube.radius()) {
+      inside = is_middle_inside(made.lattice, candidates, cube);
     }
-    const std::vector<CubeSample> samples =
-        sample_cube(made.lattice, made.rounded, candidates, cube, inside);
+    const std::vector<CubeSample> samples = sample_cube(made.lattice, candidates, cube, inside);
     const std::optional<FittedMaps> fitted = fit(samples, cube, rules);
     if (!fitted) return;
     const auto is_proven = [&](const FittedMaps& maps) {
-      return prove_maps(made.lattice, made.rounded, candidates, cube, inside, maps, made.planes,
-                        made.rules.band, tolerance);
+      return prove_maps(made.lattice, candidates, cube, inside, maps, made.planes, made.rules.band,
+                        tolerance);
     };
     counts.proven += is_proven(*fitted) ? 1U : 0U;
     for (const double sign : {-1.0, 1.0}) {

@@ -30,11 +30,12 @@ Asset tile_asset() {
   tile.clipped = 1;
   tile.clips = {pack_clip({100, 0, 0})};
   asset.tiles = {tile};
-  // One triangle that no tile shows, and a cap, which is no surface.
+  // One triangle that no tile shows, and one that a tile shows.
   test::set_lattice(asset.octree, Vector3::Zero(), 1e-6);
   test::add_triangle(asset.octree,
                      {.corners = {{{0, 0, 0}, {2000, 0, 0}, {0, 2000, 0}}}, .bare = true});
-  test::add_triangle(asset.octree, {.corners = {{{0, 0, 9}, {9, 0, 9}, {0, 9, 9}}}, .cap = true});
+  test::add_triangle(asset.octree,
+                     {.corners = {{{0, 0, 9}, {9, 0, 9}, {0, 9, 9}}}, .sheet = false});
   return asset;
 }
 

@@ -66,14 +66,14 @@ TEST_CASE("What a bake writes changes only with its version") {
   // algorithm_version where the digests differ and the format is the same, then write all of them
   // down here.
   CHECK(algorithm_version == 2);
-  CHECK(asset_format_version == 5);
+  CHECK(asset_format_version == 6);
   CHECK(digest_of(step, [](BuildRequest& request) { request.bake.tolerance = 2.5e-4; }) ==
-        "cb26d060722d7018df1043243a1b0a084ea1221f2fbb047bfc70ce407beb0ffe");
+        "60fa31ebebc4de7ca85367dada4ac9bd43476a70580100cc2e2a8eef877f4cb4");
   CHECK(digest_of(corner, [](BuildRequest& request) {
           request.bake.form = AssetForm::full;
           request.bake.planes = 6;
           request.bake.resolution = 5;
-        }) == "f563679355fe520a48bc43bc71a94083b48dd61737cadc47fe9eadcba21f39d8");
+        }) == "fb784c23459a437a856f6a77e6513ad37b782320615771871bad79e1c5c771cc");
 }
 
 }  // namespace spm::baker::algorithm_version_test

@@ -30,7 +30,7 @@ namespace spm::test {
   baker::OuterSurface surface;
   surface.vertices = shape.vertices;
   surface.triangles = shape.triangles;
-  surface.surface_count = shape.triangles.size();
+  surface.solid_count = shape.triangles.size();
   return surface;
 }
 

@@ -31,7 +31,7 @@ using baker::WindingNumber;
 [[nodiscard]] double kept_area(const OuterSurface& surface) {
   return area(surface.vertices,
               {surface.triangles.begin(),
-               surface.triangles.begin() + static_cast<std::ptrdiff_t>(surface.surface_count)});
+               surface.triangles.begin() + static_cast<std::ptrdiff_t>(surface.solid_count)});
 }
 
 /// Total length of the edges that the triangles leave open.
@@ -75,7 +75,7 @@ TEST_CASE("A closed mesh without intersections is its own outer surface") {
   const Shape shape = torus(0.04, 0.01, 40, 20);
   const OuterSurface surface = surface_of(shape);
   CHECK(surface.triangles.size() == shape.triangles.size());
-  CHECK(surface.surface_count == shape.triangles.size());
+  CHECK(surface.solid_count == shape.triangles.size());
   CHECK(surface.hidden == 0);
   CHECK(surface.hidden_area == 0);
 }
@@ -153,41 +153,36 @@ TEST_CASE("Spheres in a row leave the union's surface closed") {
   CHECK(surface.hidden_area > 0.2 * area(row.vertices, row.triangles));
 }
 
-TEST_CASE("A hole is capped, and the caps come after the surface") {
-  Shape open = box({1, 1, 1});
-  open.triangles.resize(open.triangles.size() - 2);
-  const OuterSurface surface = surface_of(open);
-  CHECK(surface.surface_count == 10);
-  CHECK(kept_area(surface) == Approx(5));
-  REQUIRE(surface.caps.size() == 1);
-  CHECK(surface.caps[0].area == Approx(1));
-  CHECK(surface.caps[0].edges == 4);
-  CHECK((surface.caps[0].middle - Vector3(0.5, 0, 0)).norm() < 1e-12);
-  CHECK(volume_of(surface) == Approx(1));
-  CHECK(open_length(surface) == 0);
-}
-
-TEST_CASE("Holes that are capped are told one by one, the largest first") {
-  Shape narrow = box({1, 1, 1});
-  narrow.triangles.resize(narrow.triangles.size() - 2);
-  Shape wide = box({2, 2, 2});
-  wide.triangles.resize(wide.triangles.size() - 2);
-  const OuterSurface surface = surface_of(merged(narrow, moved(wide, {5, 0, 0})));
-  REQUIRE(surface.caps.size() == 2);
-  CHECK(surface.caps[0].area == Approx(4));
-  CHECK((surface.caps[0].middle - Vector3(6, 0, 0)).norm() < 1e-12);
-  CHECK(surface.caps[1].area == Approx(1));
-}
-
-TEST_CASE("A closed surface has no caps") { CHECK(surface_of(box({1, 1, 1})).caps.empty()); }
-
-TEST_CASE("A sheet that encloses nothing is no surface of a solid") {
+TEST_CASE("A sheet comes after the solids, and what of it lies inside them or on them is hidden") {
   Shape sheet;
-  sheet.vertices = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}};
+  sheet.vertices = {{-2, -2, 0}, {2, -2, 0}, {2, 2, 0}, {-2, 2, 0}};
   sheet.triangles = {{0, 1, 2}, {0, 2, 3}};
-  const OuterSurface surface = surface_of(merged(box({1, 1, 1}), moved(sheet, {3, 0, 0})));
-  CHECK(surface.surface_count == 12);
-  CHECK(surface.triangles.size() == 12);
+  for (const double height : {0.1, 0.5}) {
+    const OuterSurface surface = surface_of(merged(box({1, 1, 1}), moved(sheet, {0, 0, height})));
+    double felt = 0;
+    for (std::size_t t = surface.solid_count; t < surface.triangles.size(); ++t) {
+      const auto& [a, b, c] = surface.triangles[t];
+      felt += (surface.vertices[b] - surface.vertices[a])
+                  .cross(surface.vertices[c] - surface.vertices[a])
+                  .norm() /
+              2;
+    }
+    CHECK(kept_area(surface) == Approx(6));
+    CHECK(felt == Approx(15));
+    CHECK(surface.hidden_area == Approx(1));
+    CHECK(volume_of(solids_of(surface)) == Approx(1));
+  }
+}
+
+TEST_CASE("Sheets that cross one another stay as they are") {
+  Shape sheet;
+  sheet.vertices = {{-2, -2, 0}, {2, -2, 0}, {2, 2, 0}, {-2, 2, 0}};
+  sheet.triangles = {{0, 1, 2}, {0, 2, 3}};
+  Shape other = sheet;
+  for (Vector3& vertex : other.vertices) vertex = {vertex.z(), vertex.x(), vertex.y()};
+  const OuterSurface surface = surface_of(merged(sheet, other));
+  CHECK(surface.solid_count == 0);
+  CHECK(surface.triangles.size() == 4);
 }
 
 TEST_CASE("The outer surface is the same every time") {

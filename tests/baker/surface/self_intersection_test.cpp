@@ -7,7 +7,7 @@
 #include <cstdint>
 #include <vector>
 
-#include "baker/surface/join_vertices.hpp"
+#include "baker/mesh/join_vertices.hpp"
 #include "common/base/random.hpp"
 #include "tests/support/shapes.hpp"
 

@@ -29,7 +29,7 @@ struct Baked {
 
   [[nodiscard]] JumpReport jumps(std::uint64_t seed, std::uint64_t count = 20000) const {
     const AssetTables tables = tables_of(asset);
-    return border_jumps({exact, tables.view(), asset.metadata.band, tolerance, 0, seed}, count);
+    return border_jumps({exact, tables.view(), asset.metadata.band, tolerance, seed}, count);
   }
 
   [[nodiscard]] static Asset baked(const Mesh& mesh) {
@@ -56,7 +56,6 @@ TEST_CASE("Answers of a baked sphere and of a baked box jump by at most twice th
     CHECK(found.beyond == 0);
     CHECK(found.distance.max > 0);
     CHECK(found.distance.max <= found.allowed);
-    CHECK(found.near_holes == 0);
   }
 }
 
@@ -81,7 +80,7 @@ TEST_CASE("Whatever the seed, jumps are in order and within what the tolerance a
     CHECK(found.direction.p50 <= found.direction.p99);
     CHECK(found.direction.p99 <= found.direction.max);
     CHECK(found.borders <= found.places);
-    CHECK(found.places + found.near_holes <= 4000);
+    CHECK(found.places <= 4000);
     CHECK(found.worst_point != worst);
     worst = found.worst_point;
   }
@@ -116,18 +115,6 @@ TEST_CASE("A jump that is too large fails the verdict, even where no sample is o
   bad.counts = {};
   bad.adversarial.counts = {};
   CHECK_FALSE(bad.passed());
-}
-
-TEST_CASE("Beside the holes of a mesh jumps are only counted") {
-  const Baked baked{sphere()};
-  Mesh holed = baked.mesh;
-  holed.border = {{0, 4}};
-  const ExactSurface exact(holed);
-  const AssetTables tables = tables_of(baked.asset);
-  const JumpReport found =
-      border_jumps({exact, tables.view(), baked.asset.metadata.band, tolerance, 2e-3, 1}, 2000);
-  CHECK(found.near_holes > 0);
-  CHECK(found.places > 0);
 }
 
 }  // namespace spm::baker::border_jumps_test

@@ -17,8 +17,7 @@ using namespace spm::baker;
 namespace {
 
 double signed_distance(const ExactSurface& surface, const Vector3& point) {
-  const double distance = (point - surface.closest(point).position).norm();
-  return surface.inside(point) ? -distance : distance;
+  return surface.distance(point, surface.closest(point));
 }
 
 Vector3 random_point(const Mesh& mesh, std::uint64_t seed, std::uint64_t index) {
@@ -148,28 +147,36 @@ TEST_CASE("A cavity is outside, and its wall is surface") {
   CHECK(signed_distance(surface, {0, 0, 0.023}) == Approx(-0.003).margin(60e-6));
 }
 
-TEST_CASE("Of an open box the faces are surface and the hole's edges are known") {
+TEST_CASE("An open box is a sheet, felt from both sides") {
   test::Shape shape = test::box({0.02, 0.02, 0.02});
   // The two triangles of the face at +x are removed.
   shape.triangles.resize(10);
-  const Mesh mesh = test::as_mesh(shape);
-  REQUIRE(mesh.border_edges == 4);
-  const ExactSurface surface(mesh);
-  CHECK(surface.border_distance({0.01, 0.01, 0}) == Approx(0).margin(1e-12));
-  CHECK(surface.border_distance({-0.01, 0.01, 0}) == Approx(0.02));
-  CHECK(signed_distance(surface, {-0.008, 0, 0}) == Approx(-0.002));
-  CHECK(signed_distance(surface, {-0.012, 0, 0}) == Approx(0.002));
+  const ExactSurface surface(test::as_mesh(shape), 0.0005);
+  for (const double x : {-0.008, -0.012}) {
+    CHECK(signed_distance(surface, {x, 0, 0}) == Approx(0.0015));
+  }
+  CHECK(signed_distance(surface, {0.01, 0, 0}) == Approx(0.0095));
+  CHECK(signed_distance(surface, {-0.0101, 0, 0}) == Approx(-0.0004));
 }
 
-TEST_CASE("A closed mesh has no border edge at any distance") {
-  const ExactSurface surface(test::as_mesh(test::box({0.02, 0.02, 0.02})));
-  CHECK(std::isinf(surface.border_distance({0, 0, 0})));
+TEST_CASE("What of a sheet lies in a solid is not felt") {
+  const test::Shape solid = test::box({0.02, 0.02, 0.02});
+  test::Shape sheet;
+  sheet.vertices = {{-0.03, -0.03, 0}, {0.03, -0.03, 0}, {0.03, 0.03, 0}, {-0.03, 0.03, 0}};
+  sheet.triangles = {{0, 1, 2}, {0, 2, 3}};
+  Mesh mesh = test::as_mesh(test::merged(solid, sheet));
+  mesh.sheet_triangles = 2;
+  const ExactSurface surface(mesh, 0.0005);
+  CHECK(surface.hidden_area() == Approx(4e-4));
+  CHECK(signed_distance(surface, {0, 0, 0.001}) == Approx(-0.009));
+  CHECK(signed_distance(surface, {0.02, 0, 0.001}) == Approx(0.0005));
+  CHECK(signed_distance(surface, {0.02, 0, -0.0002}) == Approx(-0.0003));
 }
 
 TEST_CASE("Directions are contested near the medial axis and nowhere else") {
   const ExactSurface surface(test::as_mesh(test::box({0.1, 0.1, 0.1})));
   const auto contested = [&](const Vector3& point) {
-    return surface.contested(point, surface.closest(point).position, 1e-4);
+    return surface.contested(point, surface.closest(point), 1e-4);
   };
   CHECK_FALSE(contested({0.049, 0.01, 0.02}));
   CHECK_FALSE(contested({0.049, 0.0478, 0.02}));

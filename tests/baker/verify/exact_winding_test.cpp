@@ -29,7 +29,9 @@ Mesh without_every_seventh(test::Shape shape) {
     if (i % 7 != 0) kept.push_back(shape.triangles[i]);
   }
   shape.triangles = kept;
-  return test::as_mesh(shape);
+  Mesh mesh = test::as_mesh(shape);
+  mesh.sheet_triangles = 0;
+  return mesh;
 }
 
 }  // namespace
@@ -58,29 +60,6 @@ TEST_CASE("The winding number counts the parts that a point is in") {
   CHECK(winding.at({-0.02, 0, 0}) == Approx(1));
   CHECK(winding.at({0.05, 0, 0}) == Approx(1));
   CHECK(winding.at({0, 0.05, 0}) == Approx(0).margin(1e-12));
-}
-
-TEST_CASE("The variation bounds how much the winding number of an open mesh changes") {
-  const Mesh mesh = without_every_seventh(test::box({0.1, 0.1, 0.1}));
-  REQUIRE_FALSE(mesh.closed());
-  const ExactWinding winding(mesh);
-  int bounded = 0;
-  for (std::uint64_t i = 0; i < 2000; ++i) {
-    const Vector3 point = test::point_around(mesh, -0.005, random_unit(6, 4 * i),
-                                             random_unit(6, 4 * i + 1), random_unit(6, 4 * i + 2));
-    const double distance = 0.004 * random_unit(6, 4 * i + 3);
-    const double bound = winding.variation(point, distance);
-    if (!std::isfinite(bound)) continue;
-    ++bounded;
-    const Vector3 moved = point + distance * Vector3(1, -2, 3).normalized();
-    CHECK(std::abs(winding.at(moved) - winding.at(point)) <= bound + 1e-12);
-  }
-  CHECK(bounded > 100);
-}
-
-TEST_CASE("A closed mesh's winding number varies nowhere off its surface") {
-  const ExactWinding winding(test::as_mesh(test::sphere(0.05, 3)));
-  CHECK(winding.variation({0.01, 0, 0}, 0.01) == 0);
 }
 
 }  // namespace exact_winding_test

@@ -202,7 +202,7 @@ TEST_CASE("A direction picture of a sphere has no error, and one of a moved sphe
     const test::Shape other = test::moved(ball, offset);
     const ExactSurface exact(test::mesh_of(other));
     return direction_beside_surface(Caster(test::surface_of(other)),
-                                    {exact, tables.view(), 2e-5, 0, 0.15}, -2.5e-4,
+                                    {exact, tables.view(), 2e-5, 0.15}, -2.5e-4,
                                     {Vector3::Zero(), Vector3::UnitZ(), 0.03}, side);
   };
   const Picture right = picture_of(Vector3::Zero());
@@ -218,7 +218,7 @@ TEST_CASE("A direction picture is grey where several faces are equally near") {
   // A pixel is 50 um. Half a millimetre below a face the next one is as near half a millimetre
   // from the edge.
   const Picture picture = direction_beside_surface(Caster(test::surface_of(box.box)),
-                                                   {exact, box.tables.view(), 1e-4, 0, 0.1}, -5e-4,
+                                                   {exact, box.tables.view(), 1e-4, 0.1}, -5e-4,
                                                    {{0.01, 0, 0.01}, Vector3::UnitZ(), 0.004}, 80);
   CHECK(lit(pixel(picture, 40 - 10, 40), not_judged));
   const Colour away = pixel(picture, 40 - 30, 40);

@@ -14,7 +14,8 @@
 
 namespace spm::test {
 
-/// A shape as the loader would hand it on, without its repair: box, border edges, parts.
+/// A shape as the loader would hand it on, without its repair: box, parts; a sheet where it is
+/// open.
 [[nodiscard]] inline baker::Mesh as_mesh(const Shape& shape) {
   baker::Mesh mesh;
   mesh.vertices = shape.vertices;
@@ -36,18 +37,19 @@ namespace spm::test {
     return vertex;
   };
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> uses;
+  Vector3 open_area = Vector3::Zero();  // none where only a corner lies on another's edge
   for (const auto& triangle : mesh.triangles) {
     for (std::size_t i = 0; i < 3; ++i) {
       const std::uint32_t a = triangle[i];
       const std::uint32_t b = triangle[(i + 1) % 3];
       ++uses[std::minmax(a, b)];
+      open_area += mesh.vertices[a].cross(mesh.vertices[b]);
       part[root(a)] = root(b);
     }
   }
-  for (const auto& [edge, count] : uses) {
-    if (count == 1) mesh.border.push_back({edge.first, edge.second});
-  }
-  mesh.border_edges = mesh.border.size();
+  for (const auto& [edge, count] : uses) mesh.border_edges += count == 1 ? 1 : 0;
+  const bool open = open_area.norm() > 1e-9 * mesh.diagonal * mesh.diagonal;
+  if (mesh.border_edges > 0 && open) mesh.sheet_triangles = mesh.triangles.size();
   for (std::uint32_t vertex = 0; vertex < part.size(); ++vertex) {
     if (part[vertex] == vertex) ++mesh.components;
   }

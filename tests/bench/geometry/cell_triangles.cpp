@@ -43,7 +43,7 @@ CellTriangles::Cell make_cell(const Model& model, const Vector3& low, double edg
                        cell.triangles.end());
   // Caps have no distance.
   std::erase_if(cell.triangles,
-                [&](std::uint32_t triangle) { return model.caster.is_cap(triangle); });
+                [&](std::uint32_t triangle) { return model.caster.is_sheet(triangle); });
   return cell;
 }
 

@@ -23,7 +23,7 @@ FloatMesh mesh_of(const test::Shape& shape) {
   baker::OuterSurface surface;
   surface.vertices = shape.vertices;
   surface.triangles = shape.triangles;
-  surface.surface_count = shape.triangles.size();
+  surface.solid_count = shape.triangles.size();
   return FloatMesh(surface);
 }
 
@@ -129,7 +129,7 @@ TEST_CASE("A tree finds what looking at all triangles finds") {
   baker::OuterSurface surface;
   surface.vertices = mesh.vertices;
   surface.triangles = mesh.triangles;
-  surface.surface_count = mesh.triangles.size();
+  surface.solid_count = mesh.triangles.size();
   const std::vector<Vector3> path = bumpy_slide(400, 1e-3);
   for (const double radius : {0.0, 0.5e-3}) {
     const auto tree = make_mesh_proxy(FloatMesh(surface), options_of(true, true, radius));

@@ -49,7 +49,7 @@ FloatMesh bumps() {
   surface.vertices = bumpy.vertices;
   surface.triangles = bumpy.triangles;
   surface.triangles.push_back({0, 1, 1});
-  surface.surface_count = surface.triangles.size();
+  surface.solid_count = surface.triangles.size();
   return FloatMesh(surface);
 }
 

@@ -8,8 +8,8 @@ namespace spm::bench {
 FloatMesh::FloatMesh(const baker::OuterSurface& surface) {
   constexpr std::uint32_t unused = 0xFFFFFFFFU;
   std::vector<std::uint32_t> place(surface.vertices.size(), unused);
-  triangles.reserve(surface.surface_count);
-  for (std::size_t i = 0; i < surface.surface_count; ++i) {
+  triangles.reserve(surface.solid_count);
+  for (std::size_t i = 0; i < surface.solid_count; ++i) {
     std::array<std::uint32_t, 3> corners{};
     for (std::size_t k = 0; k < 3; ++k) {
       std::uint32_t& vertex = place[surface.triangles[i][k]];

@@ -17,7 +17,7 @@ namespace {
 
 baker::OuterSurface solid_surface(const baker::Mesh& mesh) {
   baker::OuterSurface surface = baker::outer_surface(mesh);
-  if (surface.surface_count == 0) refuse(mesh);
+  if (surface.solid_count == 0) refuse(mesh);
   return surface;
 }
 

@@ -8,9 +8,6 @@
 
 namespace spm::bench {
 
-/// Nothing is judged closer to a border edge than this share of the diagonal.
-inline constexpr double hole_share = 0.03;
-
 /// A place in the band, with the ground truth there.
 struct Place {
   Vector3 point = Vector3::Zero();
@@ -22,8 +19,7 @@ struct Place {
 struct TruePlace {
   Place place;
   Vector3 closest_point = Vector3::Zero();  ///< the closest point of the surface
-  bool judged = false;                      ///< in the band, and not beside a hole
-  bool near_hole = false;                   ///< within 3 % of the diagonal of a border edge
+  bool judged = false;                      ///< in the band
 };
 
 [[nodiscard]] TruePlace truth_at(const Model& model, const Vector3& point);
@@ -31,8 +27,7 @@ struct TruePlace {
 /// The set of places that all methods of a model share.
 struct Places {
   std::vector<Place> places;
-  double contested = 0;   ///< share of the places without a direction
-  double near_holes = 0;  ///< share of the draws left out beside border edges
+  double contested = 0;  ///< share of the places without a direction
 };
 
 /// Draws places as `spm-bake verify` does: uniform by area over the outer surface, at uniform

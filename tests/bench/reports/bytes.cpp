@@ -33,8 +33,7 @@ class Bench {
     const Model model(source, baker::load_mesh(source.path, {1, bench_diagonal}));
     const Places places = draw_places(model, plan_.samples, plan_.seed);
     report_.models.push_back({model.name, model.tolerance, model.mesh.triangles.size(),
-                              model.mesh.vertices.size(), places.places.size(), places.contested,
-                              places.near_holes});
+                              model.mesh.vertices.size(), places.places.size(), places.contested});
     add_raw_mesh(model);
     std::vector<double> tolerances = plan_.tolerances;
     tolerances.push_back(model.tolerance);

@@ -33,8 +33,7 @@ struct ModelRow {
   double tolerance = 0;  ///< m
   std::uint64_t triangles = 0, vertices = 0;
   std::uint64_t samples = 0;
-  double contested = 0;   ///< share of the samples without a direction to judge
-  double near_holes = 0;  ///< share of the draws left out beside border edges
+  double contested = 0;  ///< share of the samples without a direction to judge
 };
 
 /// A method with one setting on one model.

@@ -94,10 +94,9 @@ std::string to_text(const BytesReport& report) {
   const auto out = std::back_inserter(text);
   for (const ModelRow& model : report.models) {
     fmt::format_to(out,
-                   "{}: {} triangles, tolerance {}, {} places; no direction at {:.1f} % of them; "
-                   "{:.1f} % of the draws beside holes\n",
+                   "{}: {} triangles, tolerance {}, {} places; no direction at {:.1f} % of them\n",
                    model.name, model.triangles, format_quantity(model.tolerance, Quantity::length),
-                   model.samples, 100 * model.contested, 100 * model.near_holes);
+                   model.samples, 100 * model.contested);
     fmt::format_to(out, "  {:<13} {:<24} {:>9} {:>9} {:>7}  {:>23}  {:>11}  {:>8} {:>8}\n",
                    "method", "settings", "file", "resident", "build s", "um: p50     p99     max",
                    "deg: 50   99", "wrong %", "none %");

@@ -10,13 +10,12 @@
 namespace spm::bench {
 namespace {
 
-enum class Cause { none, free, deep, near_hole, contested };
+enum class Cause { none, free, deep, contested };
 
 /// Why a tick is not judged, or none.
 Cause cause_of(const ExactTick& tick, double max_depth, double radius) {
   if (!(tick.distance < radius)) return Cause::free;
   if (tick.distance < -max_depth) return Cause::deep;
-  if (tick.near_hole) return Cause::near_hole;
   return tick.contested ? Cause::contested : Cause::none;
 }
 
@@ -48,7 +47,6 @@ JudgedTicks count_judged(std::span<const ExactTick> ticks, double max_depth, dou
     if (cause == Cause::free) continue;
     ++counts.contacts;
     if (cause == Cause::deep) ++counts.deep;
-    if (cause == Cause::near_hole) ++counts.near_hole;
     if (cause == Cause::contested) ++counts.contested;
     if (cause == Cause::none) ++counts.judged;
   }

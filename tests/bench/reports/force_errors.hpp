@@ -14,7 +14,6 @@ struct ExactTick {
   double distance = 0;                ///< signed, m, negative inside
   Vector3 outward = Vector3::Zero();  ///< unit: gradient of the distance
   bool contested = false;             ///< another feature is nearly as near: see ExactSurface
-  bool near_hole = false;             ///< the closest point is beside a border edge: see TruePlace
   bool sliding = true;                ///< neither being lifted nor pressed
   bool fresh = false;                 ///< the path restarts here: no step leads here
 };
@@ -38,7 +37,6 @@ struct JudgedTicks {
   std::uint64_t contacts = 0;  ///< inside, or the ball reaches in
   // Counts of the contacts by the first cause that applies.
   std::uint64_t deep = 0;       ///< deeper than the band
-  std::uint64_t near_hole = 0;  ///< beside a border edge
   std::uint64_t contested = 0;  ///< near the medial axis
   std::uint64_t judged = 0;     ///< the rest
 };

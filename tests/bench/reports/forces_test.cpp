@@ -109,14 +109,13 @@ TEST_CASE("Steps are not counted where the exact force jumps, the path begins an
 TEST_CASE("Ticks by the medial axis, beside holes and deeper than the band are not judged") {
   std::vector<ExactTick> ticks = ball_ticks(100);
   std::vector<Vector3> forces = exact_forces(ticks);
-  ticks[10].contested = ticks[11].near_hole = true;
+  ticks[10].contested = ticks[11].contested = true;
   ticks[12].distance = -3e-3;
   ticks[13].distance = 1e-3;
   for (std::size_t i = 10; i < 14; ++i) forces[i] = -forces[i];
   const JudgedTicks counts = count_judged(ticks, 2e-3, 0);
   CHECK(counts.contacts == 99);
-  CHECK(counts.contested == 1);
-  CHECK(counts.near_hole == 1);
+  CHECK(counts.contested == 2);
   CHECK(counts.deep == 1);
   CHECK(counts.judged == 96);
   const ForceErrors errors = force_errors(ticks, forces, {});

@@ -40,7 +40,6 @@ Json path_json(const PathRow& row) {
   json["contact_ticks"] = judged.contacts;
   json["judged_ticks"] = judged.judged;
   json["left_out"] = {{"deeper_than_band", share_of(judged.deep, judged.contacts)},
-                      {"near_holes", share_of(judged.near_hole, judged.contacts)},
                       {"direction_contested", share_of(judged.contested, judged.contacts)}};
   json["exact_step_n"] = quantiles_json(row.exact_step);
   json["exact_step_rough"] = share_of(row.exact_rough, row.exact_step.count);
@@ -78,12 +77,11 @@ void append_path(const PathRow& path, const ForcesReport& report, std::string& t
   const JudgedTicks& judged = path.judged;
   fmt::format_to(out,
                  "{}, {} slide: {} ticks, {} in contact; left out of these: {:.1f} % near the "
-                 "medial axis, {:.1f} % near holes, {:.1f} % deeper than the band\n"
+                 "medial axis, {:.1f} % deeper than the band\n"
                  "  exact penalty's step: p99 {:.3f}, p99.9 {:.3f}, max {:.3f} N; {} N or more at "
                  "{:.2f} % of the ticks\n",
                  path.model, path.path, path.ticks, judged.contacts,
                  100 * share_of(judged.contested, judged.contacts),
-                 100 * share_of(judged.near_hole, judged.contacts),
                  100 * share_of(judged.deep, judged.contacts), path.exact_step.p99,
                  path.exact_step.p999, path.exact_step.max, smooth_step,
                  100 * share_of(path.exact_rough, path.exact_step.count));
@@ -132,7 +130,7 @@ std::string to_text(const ForcesReport& report) {
 }
 
 std::string to_csv(const ForceTrace& trace, const ForcesPlan& plan) {
-  std::string text = "t,x,y,z,distance,sliding,fresh,contested,near_hole,exact_x,exact_y,exact_z";
+  std::string text = "t,x,y,z,distance,sliding,fresh,contested,exact_x,exact_y,exact_z";
   const auto out = std::back_inserter(text);
   for (const ForceTrace::Series& series : trace.series) {
     const std::string name = series.method + (series.radius > 0 ? "_ball" : "") +
@@ -146,9 +144,9 @@ std::string to_csv(const ForceTrace& trace, const ForcesPlan& plan) {
   for (std::size_t i = 0; i < trace.path.points.size(); ++i) {
     const Vector3& point = trace.path.points[i];
     const ExactTick& tick = trace.path.ticks[i];
-    fmt::format_to(out, "{:.3f},{:.9f},{:.9f},{:.9f},{:.9f},{:d},{:d},{:d},{:d}",
+    fmt::format_to(out, "{:.3f},{:.9f},{:.9f},{:.9f},{:.9f},{:d},{:d},{:d}",
                    tick_seconds * static_cast<double>(i), point.x(), point.y(), point.z(),
-                   tick.distance, tick.sliding, tick.fresh, tick.contested, tick.near_hole);
+                   tick.distance, tick.sliding, tick.fresh, tick.contested);
     append(exact_penalty(tick, plan.stiffness, 0));
     for (const ForceTrace::Series& series : trace.series) append(series.forces[i]);
     text += "\n";

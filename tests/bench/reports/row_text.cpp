@@ -17,13 +17,9 @@ constexpr double degrees = 180 / std::numbers::pi;
 }  // namespace
 
 Json model_json(const ModelRow& model) {
-  return {{"mesh", model.name},
-          {"triangles", model.triangles},
-          {"vertices", model.vertices},
-          {"tolerance_um", model.tolerance * micro},
-          {"samples", model.samples},
-          {"direction_contested", model.contested},
-          {"near_holes", model.near_holes}};
+  return {{"mesh", model.name},         {"triangles", model.triangles},
+          {"vertices", model.vertices}, {"tolerance_um", model.tolerance * micro},
+          {"samples", model.samples},   {"direction_contested", model.contested}};
 }
 
 Json facts_json(const std::string& model, const MethodFacts& facts) {

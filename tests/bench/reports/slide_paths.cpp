@@ -29,9 +29,7 @@ ExactTick exact_at(const Model& model, const Vector3& point) {
   tick.distance = side * distance;
   tick.outward = distance > on_surface ? Vector3(side * away / distance) : closest_point.normal;
   if (tick.distance < -model.band.max_depth || tick.distance > model.band.margin) return tick;
-  tick.near_hole =
-      model.truth.border_distance(closest_point.position) < hole_share * model.mesh.diagonal;
-  tick.contested = model.truth.contested(point, closest_point.position, 2 * model.tolerance);
+  tick.contested = model.truth.contested(point, closest_point, 2 * model.tolerance);
   return tick;
 }
 

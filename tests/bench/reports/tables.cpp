@@ -30,7 +30,7 @@ baker::OuterSurface raw_surface(const baker::Mesh& mesh) {
   baker::OuterSurface surface;
   surface.vertices = mesh.vertices;
   surface.triangles = mesh.triangles;
-  surface.surface_count = mesh.triangles.size();
+  surface.solid_count = mesh.triangles.size();
   return surface;
 }
 

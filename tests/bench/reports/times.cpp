@@ -75,8 +75,8 @@ class Race {
         probe_path_(walk_surface(model_, 0, plan.probe_radius, plan.path_steps, plan.seed)),
         sets_{path_.steps, random_places(model_, places_, plan.path_steps)} {
     report.models.push_back({model_.name, model_.tolerance, model_.mesh.triangles.size(),
-                             model_.mesh.vertices.size(), places_.places.size(), places_.contested,
-                             places_.near_holes});
+                             model_.mesh.vertices.size(), places_.places.size(),
+                             places_.contested});
   }
 
   void run() {

@@ -22,7 +22,7 @@ btVector3 to_bullet(const Vector3& v) {
 class Body {
  public:
   explicit Body(const baker::OuterSurface& surface) {
-    for (std::size_t i = 0; i < surface.surface_count; ++i) {
+    for (std::size_t i = 0; i < surface.solid_count; ++i) {
       const auto& [a, b, c] = surface.triangles[i];
       mesh_.addTriangle(to_bullet(surface.vertices[a]), to_bullet(surface.vertices[b]),
                         to_bullet(surface.vertices[c]));

@@ -14,7 +14,7 @@ using Tree = fcl::BVHModel<fcl::OBBRSSd>;
 std::shared_ptr<Tree> tree_of(const baker::OuterSurface& surface) {
   auto tree = std::make_shared<Tree>();
   std::vector<fcl::Triangle> triangles;
-  for (std::size_t i = 0; i < surface.surface_count; ++i) {
+  for (std::size_t i = 0; i < surface.solid_count; ++i) {
     const auto& [a, b, c] = surface.triangles[i];
     triangles.emplace_back(a, b, c);
   }

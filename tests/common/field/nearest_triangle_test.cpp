@@ -35,9 +35,8 @@ class Soup {
     }
     // Bounds of 0: no packet is passed over.
     list_words_.resize(list_words_.size() + packets_of(triangles), 0);
-    list = {.surface = static_cast<std::uint32_t>(triangles),
-            .wide = wide,
-            .words = list_words_.data()};
+    list = {
+        .solids = static_cast<std::uint32_t>(triangles), .wide = wide, .words = list_words_.data()};
   }
   Soup(const Soup&) = delete;
   Soup& operator=(const Soup&) = delete;
@@ -85,7 +84,7 @@ ClosestFeature closest_of(const Soup& soup, std::uint32_t triangle, const Vector
 
 double least_distance(const Soup& soup, const Vector3& place) {
   double least = 1;
-  for (std::uint32_t t = 0; t < soup.list.surface; ++t) {
+  for (std::uint32_t t = 0; t < soup.list.solids; ++t) {
     least = std::min(least, (place - closest_of(soup, t, place).point).norm());
   }
   return least;
@@ -101,7 +100,7 @@ void compare(const Soup& soup, std::uint64_t places, Differences& found) {
   for (std::uint64_t k = 0; k < places; ++k) {
     const Vector3 place = soup.place(k);
     const NearestTriangle nearest =
-        nearest_triangle(soup.mesh, soup.list, ListPart::surface, reach, place);
+        nearest_triangle(soup.mesh, soup.list, ListPart::solids, reach, place);
     const ClosestFeature truth = closest_of(soup, nearest.triangle, place);
     const Vector3 away = (place - truth.point) / step;
     const double least = least_distance(soup, place) / step;
@@ -150,25 +149,26 @@ TEST_CASE("Triangles that are marked as thin are measured in doubles, beside oth
   CHECK(found.with_closest < found.places);
 }
 
-TEST_CASE("Caps are passed over by their own bounds, not by those of the surface") {
-  constexpr std::size_t surface = 16, caps = 24;
+TEST_CASE("Sheets are passed over by their own bounds, not by those of solids") {
+  constexpr std::size_t solids = 16, sheets = 24;
   for (std::uint64_t seed = 0; seed < 10; ++seed) {
-    const Soup soup(surface + caps, true, false, seed);
-    // Both packets of the surface as far as can be, the three of the caps as near.
+    const Soup soup(solids + sheets, true, false, seed);
+    // Both packets of solids as far as can be, the three of sheets as near.
     std::vector<std::uint32_t> words(soup.list.words, soup.list.words + soup.list.number_words());
     words.insert(words.end(), {0x0000FFFFU, 0});
     TriangleList list = soup.list;
-    list.surface = surface;
-    list.caps = caps;
+    list.solids = solids;
+    list.sheets = sheets;
     list.words = words.data();
     REQUIRE(list.has_bounds());
     for (std::uint64_t k = 0; k < 50; ++k) {
       const Vector3 place = soup.place(k);
       double least = 1;
-      for (std::uint32_t t = surface; t < surface + caps; ++t) {
+      for (std::uint32_t t = solids; t < solids + sheets; ++t) {
         least = std::min(least, (place - closest_of(soup, t, place).point).norm());
       }
-      const NearestTriangle found = nearest_triangle(soup.mesh, list, ListPart::caps, reach, place);
+      const NearestTriangle found =
+          nearest_triangle(soup.mesh, list, ListPart::sheets, reach, place);
       REQUIRE(std::sqrt(static_cast<double>(found.square)) ==
               Approx(least / step).margin(single_error));
     }
@@ -178,9 +178,9 @@ TEST_CASE("Caps are passed over by their own bounds, not by those of the surface
 TEST_CASE("A list of no triangles has no nearest one") {
   const Soup soup(3, false, false, 1);
   TriangleList none = soup.list;
-  none.surface = 0;
+  none.solids = 0;
   CHECK_FALSE(std::isfinite(
-      nearest_triangle(soup.mesh, none, ListPart::surface, reach, soup.place(0)).square));
+      nearest_triangle(soup.mesh, none, ListPart::solids, reach, soup.place(0)).square));
 }
 
 }  // namespace spm::nearest_triangle_test

@@ -32,20 +32,20 @@ void fill(TiledCubeByHand& cube, OctreeKind kind, const std::vector<std::uint32_
   cube.refresh();
 }
 
-/// Makes a list the answer in all of a cube's space: triangles, then caps.
+/// Makes a list the answer in all of a cube's space: triangles of solids, then of sheets.
 void fill_with_list(TiledCubeByHand& cube, const std::vector<TriangleByHand>& triangles,
-                    const std::vector<TriangleByHand>& caps = {},
+                    const std::vector<TriangleByHand>& sheets = {},
                     ListSide side = ListSide::surface) {
   test::clear_triangles(cube.octree);
-  std::vector<std::uint32_t> listed, listed_caps;
+  std::vector<std::uint32_t> listed, listed_sheets;
   for (const TriangleByHand& triangle : triangles) {
     listed.push_back(test::add_triangle(cube.octree, triangle));
   }
-  for (TriangleByHand cap : caps) {
-    cap.cap = true;
-    listed_caps.push_back(test::add_triangle(cube.octree, cap));
+  for (TriangleByHand sheet : sheets) {
+    sheet.sheet = true;
+    listed_sheets.push_back(test::add_triangle(cube.octree, sheet));
   }
-  const auto unit = test::add_list(cube.octree, listed, listed_caps, side);
+  const auto unit = test::add_list(cube.octree, listed, listed_sheets, side);
   fill(cube, OctreeKind::list, {unit.begin(), unit.end()});
 }
 
@@ -364,29 +364,41 @@ TEST_CASE("Beyond a sharp edge the side is what the bake told, whichever triangl
   }
 }
 
-TEST_CASE("A cap decides the side of a sparse query and carries no distance") {
-  TiledCubeByHand cube(size, {0.02, 0.02});
-  TriangleByHand above_all, cap;  // both face +z
-  above_all.corners = {{{-819, 0, 8192}, {819, 0, 8192}, {0, 819, 8192}}};
-  cap.corners = {{{-face, -face, 0}, {face, -face, 0}, {0, face, 0}}};
-  fill_with_list(cube, {above_all}, {cap});
-  const Answer above = query_point(cube.view, {0, 0, 0.001});
-  CHECK(above.distance == Approx(0.009).margin(1e-7));
-  CHECK(above.source == Source::triangles);
-  CHECK(query_point(cube.view, {0, 0, -0.001}).distance == Approx(-0.011).margin(1e-7));
-  // Where the list tells the side, the cap has no effect.
-  fill_with_list(cube, {above_all}, {cap}, ListSide::inside);
-  CHECK(query_point(cube.view, {0, 0, 0.001}).distance == Approx(-0.009).margin(1e-7));
+/// A triangle of a sheet in the plane z = 0, which faces +z.
+TriangleByHand level_sheet() {
+  TriangleByHand sheet;
+  sheet.corners = {{{-face, -face, 0}, {face, -face, 0}, {0, face, 0}}};
+  sheet.sides = 0x1555;  // outside all around
+  return sheet;
 }
 
-TEST_CASE("Caps alone are no surface") {
-  TiledCubeByHand cube(size);
-  TriangleByHand cap;
-  cap.corners = {{{-face, -face, 0}, {face, -face, 0}, {0, face, 0}}};
+TEST_CASE("A sheet is felt from both sides at its half-thickness, and has no inside") {
+  TiledCubeByHand cube(size, {0.02, 0.02});
+  cube.view.sheet_thickness = 0.0003;
   for (const ListSide side : {ListSide::surface, ListSide::inside, ListSide::outside}) {
-    fill_with_list(cube, {}, {cap}, side);
-    CHECK(query_point(cube.view, {0, 0, -0.0001}).status == Status::far);
+    fill_with_list(cube, {}, {level_sheet()}, side);
+    for (const double height : {-0.001, -0.0001, 0.0001, 0.001}) {
+      const Answer answer = query_point(cube.view, {0, 0, height});
+      CHECK(answer.status == Status::exact);
+      CHECK(answer.source == Source::triangles);
+      CHECK(answer.distance == Approx(std::abs(height) - 0.0003).margin(1e-7));
+      CHECK(answer.normal.z() == Approx(height > 0 ? 1 : -1));
+    }
   }
+}
+
+TEST_CASE("Of a solid and a sheet in one list the one that is felt sooner answers") {
+  TiledCubeByHand cube(size, {0.02, 0.02});
+  cube.view.sheet_thickness = 0.001;
+  TriangleByHand solid;  // faces +z, 10 mm above the sheet
+  solid.corners = {{{-819, 0, 8192}, {819, 0, 8192}, {0, 819, 8192}}};
+  fill_with_list(cube, {solid}, {level_sheet()}, ListSide::outside);
+  CHECK(query_point(cube.view, {0, 0, 0.004}).distance == Approx(0.003).margin(1e-7));
+  CHECK(query_point(cube.view, {0, 0, 0.007}).distance == Approx(0.003).margin(1e-7));
+  CHECK(query_point(cube.view, {0, 0, 0.007}).normal.z() == Approx(-1));
+  // A sheet changes nothing deep in a solid.
+  fill_with_list(cube, {solid}, {level_sheet()}, ListSide::inside);
+  CHECK(query_point(cube.view, {0, 0, 0.004}).distance == Approx(-0.006).margin(1e-7));
 }
 
 TEST_CASE(

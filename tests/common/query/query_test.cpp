@@ -97,17 +97,23 @@ TEST_CASE("Triangles answer exactly, and the side at a convex edge is outside") 
   CHECK((outside.normal - Vector3(0.6, 0.8, 0)).norm() < 1e-3);
 }
 
-TEST_CASE("A cap decides the side and carries no distance") {
+TEST_CASE("A sheet in a full asset is felt from both sides at its half-thickness") {
   BoxByHand box(size, {0.02, 0.02});
   box.triangles = {
-      -0.001F, 0,      0.01F, 0.001F, 0,      0.01F, 0, 0.001F, 0.01F,  // surface, faces +z
-      -0.02F,  -0.02F, 0,     0.02F,  -0.02F, 0,     0, 0.02F,  0};     // cap, faces +z
+      -0.001F, 0,      0.01F, 0.001F, 0,      0.01F, 0, 0.001F, 0.01F,  // of a solid, faces +z
+      -0.02F,  -0.02F, 0,     0.02F,  -0.02F, 0,     0, 0.02F,  0};     // of a sheet
   box.records = {list_header(0, 2), 0, 3};
   box.refresh();
-  const Answer above = query_point(box.view, {0, 0, 0.001});
-  CHECK(above.distance == Approx(0.009).margin(1e-7));
-  const Answer below = query_point(box.view, {0, 0, -0.001});
-  CHECK(below.distance == Approx(-0.011).margin(1e-7));
+  box.view.sheet_thickness = 0.0003;
+  CHECK(query_point(box.view, {0, 0, 0.0095}).distance == Approx(-0.0005).margin(1e-7));
+  box.records = {list_header(0, 1), 3};
+  box.refresh();
+  box.view.sheet_thickness = 0.0003;
+  for (const double height : {-0.001, 0.0001}) {
+    const Answer answer = query_point(box.view, {0, 0, height});
+    CHECK(answer.distance == Approx(std::abs(height) - 0.0003).margin(1e-7));
+    CHECK(answer.normal.z() == Approx(height > 0 ? 1 : -1));
+  }
 }
 
 TEST_CASE("Points that are not finite are far") {

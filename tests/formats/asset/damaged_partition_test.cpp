@@ -128,7 +128,7 @@ std::vector<Damage> wrong_cubes() {
 std::vector<Damage> wrong_lists() {
   const auto words = static_cast<std::uint32_t>(sparse_asset(1).octree.lists.size());
   const std::string cut = "a cube of its octree has a list that is cut short";
-  const std::string empty = "a cube of its octree has a list without triangles of the surface";
+  const std::string empty = "a cube of its octree has a list without triangles";
   const std::string no_side = "a cube of its octree has a list of no side";
   const std::string none = "a cube of its octree names triangles that do not exist";
   constexpr auto surface = ListSide::surface;
@@ -148,11 +148,10 @@ std::vector<Damage> wrong_lists() {
       {"a list cut short", with_list(words - 1, list_word(2, 0, surface, false)), cut},
       {"a list of all triangles there may be", with_list(0, list_word(0x3FFF, 0, surface, false)),
        cut},
-      {"a list of all caps there may be", with_list(0, list_word(1, 0x3FFF, surface, true)), cut},
+      {"a list of all sheets there may be", with_list(0, list_word(1, 0x3FFF, surface, true)), cut},
       {"a list outside", with_list(words, list_word(1, 0, surface, false)), cut},
       {"a list far outside", with_list(0xFFFFFFFFU, list_word(1, 0, surface, false)), cut},
       {"a list of nothing", with_list(0, list_word(0, 0, surface, false)), empty},
-      {"a list of caps alone", with_list(0, list_word(0, 1, surface, false)), empty},
       {"a list of a side that is not",
        with_list(0, list_word(1, 0, static_cast<ListSide>(3), false)), no_side},
       {"a list with a later bit", with_list(0, list_word(1, 0, surface, false) | 1U << 31U),

@@ -124,7 +124,7 @@ TEST_CASE("Many cubes with the same list cost no more than one") {
   OctreeData& octree = asset.octree;
   octree.lists.clear();
   std::vector<std::uint32_t> all;
-  for (std::uint32_t k = 0; k < max_listed_surface; ++k) all.push_back(0);
+  for (std::uint32_t k = 0; k < max_listed_of_kind; ++k) all.push_back(0);
   const auto unit = add_list(octree, all);
   octree.units.clear();
   // Each root is split, and each of its octants has the whole list, of any side.
@@ -139,7 +139,7 @@ TEST_CASE("Many cubes with the same list cost no more than one") {
   }
   const Checked checked(asset);
   CHECK(checked.problem.empty());
-  CHECK(checked.steps == roots + 8 * roots + max_listed_surface + octree.triangles.size() / 2);
+  CHECK(checked.steps == roots + 8 * roots + max_listed_of_kind + octree.triangles.size() / 2);
   // Lists that begin one word after the other, in each other, could cost as much as their product.
   for (std::uint32_t k = 0; k < 8 * roots; ++k) {
     octree.units[2 * (roots + k)] = unit[0] + k;

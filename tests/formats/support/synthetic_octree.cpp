@@ -23,7 +23,7 @@ class OctreeMaker {
       : random_(random),
         planes_(planes),
         surface_(triangles - triangles / 4),
-        caps_(triangles / 4) {
+        sheets_(triangles / 4) {
     octree.origin = Vector3(-0.04, -0.04, -0.03);
     octree.edge = 0.02;
     octree.roots = {4, 4, 3};
@@ -33,7 +33,7 @@ class OctreeMaker {
     set_lattice(octree, Vector3(-0.005, -0.005, 0), 1e-6);
     for (std::uint32_t root = 0; root < 4 * 4 * 3; ++root) add_root(root % 3 != 0);
     add_triangles(surface_, false);
-    add_triangles(caps_, true);
+    add_triangles(sheets_, true);
   }
 
   OctreeData octree;
@@ -41,7 +41,7 @@ class OctreeMaker {
  private:
   Random& random_;
   std::uint32_t planes_;
-  std::uint32_t surface_, caps_;  ///< triangles
+  std::uint32_t surface_, sheets_;  ///< triangles
 
   OctreeKind random_kind() {
     constexpr std::array kinds{OctreeKind::far,        OctreeKind::pruned, OctreeKind::deep,
@@ -112,7 +112,7 @@ class OctreeMaker {
     for (std::uint32_t k = 0; k < 5; ++k) bounds.push_back(k * (1 + below(random_, 8)));
     return add_list(
         octree, some(0, surface_, 1 + below(random_, 24)),
-        caps_ == 0 ? std::vector<std::uint32_t>() : some(surface_, caps_, below(random_, 3)),
+        sheets_ == 0 ? std::vector<std::uint32_t>() : some(surface_, sheets_, below(random_, 3)),
         static_cast<ListSide>(below(random_, 3)), bounds);
   }
 
@@ -127,10 +127,10 @@ class OctreeMaker {
     words.insert(words.end(), packed.words.begin(), packed.words.end());
   }
 
-  void add_triangles(std::uint32_t triangles, bool caps) {
+  void add_triangles(std::uint32_t triangles, bool sheets) {
     for (std::uint32_t k = 0; k < triangles; ++k) {
       TriangleByHand triangle;
-      triangle.cap = caps;
+      triangle.sheet = sheets;
       triangle.thin = below(random_, 4) == 0;
       triangle.bare = below(random_, 2) == 0;
       for (auto& corner : triangle.corners) corner = random_corner();

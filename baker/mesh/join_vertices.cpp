@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "baker/surface/join_vertices.hpp"
+#include "baker/mesh/join_vertices.hpp"
 
 #include <array>
 #include <cmath>
