@@ -26,6 +26,8 @@ namespace {
 constexpr double default_tolerance_share = 1e-3;
 /// Height samples, over all planes and before layers, that a `full` asset may have: 2 GB of floats.
 constexpr double max_samples = 5e8;
+/// Gaps narrower than this share of the tolerance are closed: rounding to the lattice would.
+constexpr double narrow_gap_share = 0.02;
 /// The error that the partition of a `full` asset aims at, as a share of the diagonal. It promises
 /// nothing.
 constexpr double full_aim_share = 5e-4;
@@ -187,7 +189,9 @@ BakeResult bake(const Mesh& mesh, const BakeOptions& options, const Progress& pr
   }
   const Mesh& solid = result.smoothed ? *result.smoothed : mesh;
   if (result.report.smooth) result.report.stages.end("smooth");
-  OuterSurface surface = outer_surface(solid);
+  const double fineness =
+      asset.metadata.tolerance.value_or(default_tolerance_share * asset.metadata.diagonal);
+  OuterSurface surface = outer_surface(solid, narrow_gap_share * fineness);
   if (result.report.smooth) surface.hidden += result.report.smooth->hidden;
   if (surface.triangles.empty()) {
     throw BakeError(ExitCode::invalid_input,

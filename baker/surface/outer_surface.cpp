@@ -39,9 +39,10 @@ namespace {
 /// Decides for each piece whether it is felt.
 class Judge {
  public:
-  Judge(const Mesh& mesh, const SplitMesh& split)
+  Judge(const Mesh& mesh, const SplitMesh& split, double narrow)
       : mesh_(mesh),
         split_(split),
+        narrow_(narrow),
         winding_(mesh.vertices, std::span(mesh.triangles).first(mesh.solid_triangles())) {}
 
   [[nodiscard]] std::vector<char> felt_pieces() const {
@@ -72,30 +73,41 @@ class Judge {
     // Across a single layer the winding number steps by one.
     const double inside =
         overlaps(split_.parents[piece]) ? winding_.at(middle - step) : outside + 1;
-    return inside >= 0.5 && outside < 0.5;
+    return inside >= 0.5 && outside < 0.5 && !closed_gap(piece, middle, twice / size);
   }
 
-  using Partners = std::vector<TrianglePair>::const_iterator;
+  /// Whether a piece bounds a gap that is too narrow to count: another faces it, and beyond that is
+  /// a solid.
+  [[nodiscard]] bool closed_gap(std::size_t piece, const Vector3& middle,
+                                const Vector3& normal) const {
+    const std::uint32_t parent = split_.parents[piece];
+    const auto partners = partners_of(split_.facing, parent);
+    const bool faced = std::any_of(partners.begin(), partners.end(), [&](const TrianglePair& pair) {
+      return covers(mesh_.vertices, mesh_.triangles[pair.second], middle);
+    });
+    return faced && winding_.at(middle + narrow_ * normal) >= 0.5;
+  }
 
-  /// First triangle that overlaps `triangle` in its plane.
-  [[nodiscard]] Partners first_partner(std::uint32_t triangle) const {
-    return std::lower_bound(split_.coplanar.begin(), split_.coplanar.end(),
-                            TrianglePair(triangle, 0));
+  /// Those of sorted pairs of which a triangle is the first.
+  [[nodiscard]] static std::span<const TrianglePair> partners_of(
+      const std::vector<TrianglePair>& pairs, std::uint32_t triangle) {
+    const auto first = std::lower_bound(pairs.begin(), pairs.end(), TrianglePair(triangle, 0));
+    const auto last = std::find_if(
+        first, pairs.end(), [&](const TrianglePair& pair) { return pair.first != triangle; });
+    return {first, last};
   }
 
   [[nodiscard]] bool overlaps(std::uint32_t triangle) const {
-    const Partners partner = first_partner(triangle);
-    return partner != split_.coplanar.end() && partner->first == triangle;
+    return !partners_of(split_.coplanar, triangle).empty();
   }
 
   /// Of pieces that lie on one another and face the same way, only that of the first triangle
   /// stays.
   [[nodiscard]] bool repeated(std::size_t piece) const {
     const std::uint32_t parent = split_.parents[piece];
-    for (Partners partner = first_partner(parent);
-         partner != split_.coplanar.end() && partner->first == parent; ++partner) {
-      if (partner->second > parent) continue;
-      const Triangle& other = mesh_.triangles[partner->second];
+    for (const TrianglePair& pair : partners_of(split_.coplanar, parent)) {
+      if (pair.second > parent) continue;
+      const Triangle& other = mesh_.triangles[pair.second];
       const bool same_way = twice_area(mesh_.vertices, other)
                                 .dot(twice_area(mesh_.vertices, mesh_.triangles[parent])) > 0;
       if (same_way &&
@@ -108,6 +120,7 @@ class Judge {
 
   const Mesh& mesh_;
   const SplitMesh& split_;
+  double narrow_;  ///< m
   WindingNumber winding_;
 };
 
@@ -150,20 +163,22 @@ void compact(OuterSurface& surface) {
 
 }  // namespace
 
-OuterSurface outer_surface(const Mesh& mesh) {
+OuterSurface outer_surface(const Mesh& mesh, double narrow) {
   OuterSurface surface;
-  std::vector<TrianglePair> pairs = intersecting_pairs(mesh.vertices, mesh.triangles);
+  MeetingPairs pairs = meeting_pairs(mesh.vertices, mesh.triangles, narrow);
   // Sheets may cross one another as they are.
-  std::erase_if(pairs,
+  std::erase_if(pairs.crossing,
                 [&](const TrianglePair& pair) { return pair.first >= mesh.solid_triangles(); });
-  if (pairs.empty() && mesh.closed() && mesh.components == 1) {
+  std::erase_if(pairs.facing,
+                [&](const TrianglePair& pair) { return pair.second >= mesh.solid_triangles(); });
+  if (pairs.crossing.empty() && pairs.facing.empty() && mesh.closed() && mesh.components == 1) {
     surface.vertices = mesh.vertices;
     surface.triangles = mesh.triangles;
     surface.solid_count = mesh.triangles.size();
     return surface;
   }
   SplitMesh split = split_triangles(mesh.vertices, mesh.triangles, pairs);
-  const std::vector<char> kept = Judge(mesh, split).felt_pieces();
+  const std::vector<char> kept = Judge(mesh, split, narrow).felt_pieces();
   surface.vertices = split.points;
   surface.intersecting = split.split;
   for (std::size_t piece = 0; piece < kept.size(); ++piece) {

@@ -24,8 +24,9 @@ struct OuterSurface {
 };
 
 /// Splits triangles along their intersections with solids. Keeps of solids the pieces across which
-/// their winding number passes one half, and of sheets those that lie outside.
-[[nodiscard]] OuterSurface outer_surface(const Mesh& mesh);
+/// their winding number passes one half, and of sheets those that lie outside. Gaps between
+/// triangles that face each other within `narrow`, m, are closed: what bounds them goes.
+[[nodiscard]] OuterSurface outer_surface(const Mesh& mesh, double narrow = 0);
 
 /// The same without the sheets.
 [[nodiscard]] OuterSurface solids_of(const OuterSurface& surface);

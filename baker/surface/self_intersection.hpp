@@ -12,9 +12,16 @@ namespace spm::baker {
 
 using TrianglePair = std::pair<std::uint32_t, std::uint32_t>;
 
-/// Pairs of triangles that have more in common than the corner or edge that they share. The first
-/// of a pair is below the second, and pairs are sorted. Exact predicates.
-[[nodiscard]] std::vector<TrianglePair> intersecting_pairs(std::span<const Vector3> points,
-                                                           std::span<const Triangle> triangles);
+/// Pairs of triangles that meet. The first of a pair is below the second, and pairs are sorted.
+struct MeetingPairs {
+  /// They have more in common than the corner or edge that they share; by exact predicates.
+  std::vector<TrianglePair> crossing;
+  /// They share no corner, face each other and cover each other in part, and one lies within a
+  /// distance of the other's plane. Some of them cross as well.
+  std::vector<TrianglePair> facing;
+};
+/// `near`, m: the distance of those that face each other; with 0 there are none.
+[[nodiscard]] MeetingPairs meeting_pairs(std::span<const Vector3> points,
+                                         std::span<const Triangle> triangles, double near);
 
 }  // namespace spm::baker

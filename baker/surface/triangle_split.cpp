@@ -68,17 +68,28 @@ class Projection {
     return {p[first_], p[second_]};
   }
 
-  /// The point of the plane over q, rounded.
+  /// The point of the plane over q, and the same rounded.
+  [[nodiscard]] Exact::Point_3 exact_up(const Exact::Point_2& q) const {
+    std::array<Exact::FT, 3> p;
+    p[static_cast<std::size_t>(first_)] = q.x();
+    p[static_cast<std::size_t>(second_)] = q.y();
+    p[static_cast<std::size_t>(drop_)] = height(q);
+    return {p[0], p[1], p[2]};
+  }
   [[nodiscard]] Vector3 up(const Exact::Point_2& q) const {
     Vector3 p;
     p[first_] = rounded(q.x());
     p[second_] = rounded(q.y());
-    p[drop_] = rounded(origin_[drop_] + slope_first_ * (q.x() - origin_[first_]) +
-                       slope_second_ * (q.y() - origin_[second_]));
+    p[drop_] = rounded(height(q));
     return p;
   }
 
  private:
+  [[nodiscard]] Exact::FT height(const Exact::Point_2& q) const {
+    return origin_[drop_] + slope_first_ * (q.x() - origin_[first_]) +
+           slope_second_ * (q.y() - origin_[second_]);
+  }
+
   Exact::Point_3 origin_;
   int drop_ = 0, first_ = 0, second_ = 0;
   Exact::FT slope_first_, slope_second_;
@@ -123,6 +134,14 @@ class Splitter {
     }
   }
 
+  /// Cuts two triangles that face each other along each other's outlines.
+  void outline(const TrianglePair& pair) {
+    mesh_.facing.push_back(pair);
+    mesh_.facing.emplace_back(pair.second, pair.first);
+    cut_by_outline(pair.first, pair.second);
+    cut_by_outline(pair.second, pair.first);
+  }
+
   [[nodiscard]] SplitMesh finish() {
     for (std::uint32_t i = 0; i < triangles_.size(); ++i) {
       const auto cuts = cuts_.find(i);
@@ -133,6 +152,7 @@ class Splitter {
       }
     }
     std::sort(mesh_.coplanar.begin(), mesh_.coplanar.end());
+    std::sort(mesh_.facing.begin(), mesh_.facing.end());
     return std::move(mesh_);
   }
 
@@ -147,6 +167,23 @@ class Splitter {
   [[nodiscard]] Exact::Triangle_3 triangle(std::uint32_t index) const {
     const auto [a, b, c] = corners(index);
     return {a, b, c};
+  }
+
+  void cut_by_outline(std::uint32_t index, std::uint32_t other) {
+    const std::array<Exact::Point_3, 3> own = corners(index), others = corners(other);
+    const Projection projection(own);
+    const auto flat = [&](const Exact::Point_3& point) {
+      return projection.exact_up(projection.down(point));
+    };
+    const Exact::Triangle_3 shadow(flat(others[0]), flat(others[1]), flat(others[2]));
+    const CGAL::Object common =
+        CGAL::intersection(Exact::Triangle_3(own[0], own[1], own[2]), shadow);
+    Cuts& cuts = cuts_[index];
+    if (const auto* face = CGAL::object_cast<Exact::Triangle_3>(&common)) {
+      add_outline({face->vertex(0), face->vertex(1), face->vertex(2)}, cuts);
+    } else if (const auto* outline = CGAL::object_cast<std::vector<Exact::Point_3>>(&common)) {
+      add_outline(*outline, cuts);
+    }
   }
 
   void split(std::uint32_t index, const Cuts& cuts) {
@@ -199,9 +236,10 @@ class Splitter {
 }  // namespace
 
 SplitMesh split_triangles(std::span<const Vector3> points, std::span<const Triangle> triangles,
-                          std::span<const TrianglePair> pairs) {
+                          const MeetingPairs& pairs) {
   Splitter splitter(points, triangles);
-  for (const TrianglePair& pair : pairs) splitter.intersect(pair);
+  for (const TrianglePair& pair : pairs.crossing) splitter.intersect(pair);
+  for (const TrianglePair& pair : pairs.facing) splitter.outline(pair);
   return splitter.finish();
 }
 

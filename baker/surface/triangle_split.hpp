@@ -20,12 +20,14 @@ struct SplitMesh {
   std::size_t split = 0;               ///< triangles that became more than one piece
   /// Pairs that overlap in a common plane, both ways round and sorted.
   std::vector<TrianglePair> coplanar;
+  std::vector<TrianglePair> facing;  ///< those that face each other, both ways round and sorted
 };
 
-/// Cuts triangles along their intersections with exact constructions; sequential and deterministic.
+/// Cuts triangles along their intersections with exact constructions, and those that face each
+/// other along each other's outlines, as seen along their normals; sequential and deterministic.
 /// Pieces that have no area after rounding are left out.
 [[nodiscard]] SplitMesh split_triangles(std::span<const Vector3> points,
                                         std::span<const Triangle> triangles,
-                                        std::span<const TrianglePair> pairs);
+                                        const MeetingPairs& pairs);
 
 }  // namespace spm::baker

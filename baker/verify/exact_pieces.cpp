@@ -28,6 +28,7 @@ double cross(const Vector2& a, const Vector2& b) { return a.x() * b.y() - a.y() 
 struct Scale {
   double touching;  ///< points nearer than this to a plane or line are on it
   double probe;     ///< how far above and below a piece the winding number is evaluated
+  double narrow;    ///< gaps between triangles that face each other within this are closed
 };
 
 Corners corners_of(const Mesh& mesh, std::size_t triangle) {
@@ -75,6 +76,24 @@ std::vector<Segment> meeting(const Frame& frame, const Corners& other, double to
     for (std::size_t i = 0; i < 3; ++i) segments.emplace_back(points[i], points[(i + 1) % 3]);
   }
   return segments;
+}
+
+/// Whether a triangle that shares no corner with the one of a frame faces it, and one lies within
+/// the narrow distance of the other's plane.
+bool faces(const Frame& frame, const Corners& own, const Corners& other, double narrow) {
+  constexpr double opposite = -0.98;
+  if (!(narrow > 0) || !(frame.n.dot(normal_of(other)) < opposite)) return false;
+  const bool hinged = std::any_of(own.begin(), own.end(), [&](const Vector3& corner) {
+    return std::find(other.begin(), other.end(), corner) != other.end();
+  });
+  if (hinged) return false;
+  const Frame back(other);
+  const auto within = [narrow](const Frame& plane, const Corners& corners) {
+    return std::all_of(corners.begin(), corners.end(), [&](const Vector3& corner) {
+      return std::abs(plane.height(corner)) <= narrow;
+    });
+  };
+  return within(frame, other) || within(back, own);
 }
 
 /// True where the segment runs through the polygon's inside by more than a touch.
@@ -128,15 +147,16 @@ void cut(std::vector<Polygon>& polygons, const Segment& segment, double touching
   }
 }
 
-/// For each triangle, the triangles whose boxes meet its box, in order.
-CubeBins neighbours(const Mesh& mesh) {
+/// For each triangle, the triangles whose boxes are no farther from its box than the narrow
+/// distance, along each axis, in order.
+CubeBins neighbours(const Mesh& mesh, double narrow) {
   using Box = CGAL::Box_intersection_d::Box_with_info_d<double, 3, std::uint32_t>;
   std::vector<Box> boxes;
   boxes.reserve(mesh.triangles.size());
   for (std::uint32_t i = 0; i < mesh.triangles.size(); ++i) {
     const Corners t = corners_of(mesh, i);
-    const Vector3 low = t[0].cwiseMin(t[1]).cwiseMin(t[2]);
-    const Vector3 high = t[0].cwiseMax(t[1]).cwiseMax(t[2]);
+    const Vector3 low = t[0].cwiseMin(t[1]).cwiseMin(t[2]).array() - narrow / 2;
+    const Vector3 high = t[0].cwiseMax(t[1]).cwiseMax(t[2]).array() + narrow / 2;
     boxes.emplace_back(CGAL::Bbox_3(low.x(), low.y(), low.z(), high.x(), high.y(), high.z()), i);
   }
   auto all = of_meeting_boxes<CubeBins::Member>(boxes, [](const Box& a, const Box& b, auto& found) {
@@ -149,13 +169,35 @@ CubeBins neighbours(const Mesh& mesh) {
 
 enum class Side { outer, turned, hidden };
 
-Side side_of(const ExactWinding& winding, const Vector3& point, const Vector3& normal, double probe,
-             bool sheet) {
-  const bool above = winding.at(point + probe * normal) > 0.5;
-  const bool below = winding.at(point - probe * normal) > 0.5;
+/// How a triangle of the mesh is judged.
+struct Kind {
+  bool sheet = false;
+  std::vector<Corners> facing;  ///< those that face it across a narrow gap, or across none
+
+  /// Whether one of these covers a point of its plane.
+  [[nodiscard]] bool faced_at(const Frame& frame, const Vector3& point) const {
+    const Vector2 at = frame.flat(point);
+    return std::any_of(facing.begin(), facing.end(), [&](const Corners& other) {
+      // Seen from this triangle they run clockwise.
+      for (std::size_t k = 0; k < 3; ++k) {
+        const Vector2 from = frame.flat(other[k]);
+        if (cross(frame.flat(other[(k + 1) % 3]) - from, at - from) > 0) return false;
+      }
+      return true;
+    });
+  }
+};
+
+Side side_of(const ExactWinding& winding, const Vector3& point, const Frame& frame,
+             const Scale& scale, const Kind& kind) {
+  const auto inside = [&](double height) { return winding.at(point + height * frame.n) > 0.5; };
+  const bool above = inside(scale.probe), below = inside(-scale.probe);
   // A sheet is felt where both its sides are outside.
-  if (sheet) return above || below ? Side::hidden : Side::outer;
+  if (kind.sheet) return above || below ? Side::hidden : Side::outer;
   if (above == below) return Side::hidden;
+  if (kind.faced_at(frame, point) && inside(below ? scale.narrow : -scale.narrow)) {
+    return Side::hidden;
+  }
   return below ? Side::outer : Side::turned;
 }
 
@@ -176,12 +218,12 @@ void keep(Sorted& sorted, const Corners& piece, Side side) {
 
 /// Classifies the pieces of a cut triangle.
 Sorted sort_pieces(const ExactWinding& winding, const Frame& frame,
-                   const std::vector<Polygon>& polygons, const Scale& scale, bool sheet) {
+                   const std::vector<Polygon>& polygons, const Scale& scale, const Kind& kind) {
   Sorted sorted;
   for (const Polygon& polygon : polygons) {
     Vector2 centre = Vector2::Zero();
     for (const Vector2& corner : polygon) centre += corner / static_cast<double>(polygon.size());
-    const Side side = side_of(winding, frame.lifted(centre), frame.n, scale.probe, sheet);
+    const Side side = side_of(winding, frame.lifted(centre), frame, scale, kind);
     for (std::size_t i = 2; i < polygon.size(); ++i) {
       keep(sorted,
            {frame.lifted(polygon[0]), frame.lifted(polygon[i - 1]), frame.lifted(polygon[i])},
@@ -193,39 +235,48 @@ Sorted sort_pieces(const ExactWinding& winding, const Frame& frame,
 
 }  // namespace
 
-SurfacePieces outer_pieces(const Mesh& mesh, const ExactWinding& winding) {
-  const Scale scale{1e-9 * mesh.diagonal, 1e-6 * mesh.diagonal};
-  const CubeBins near = neighbours(mesh);
+SurfacePieces outer_pieces(const Mesh& mesh, const ExactWinding& winding, double narrow) {
+  const Scale scale{1e-9 * mesh.diagonal, 1e-6 * mesh.diagonal, narrow};
+  const CubeBins near = neighbours(mesh, narrow);
   std::vector<std::vector<Polygon>> polygons(mesh.triangles.size());
+  std::vector<Kind> kinds(mesh.triangles.size());
   tbb::parallel_for(std::size_t{0}, mesh.triangles.size(), [&](std::size_t i) {
     const Corners own = corners_of(mesh, i);
     const Frame frame(own);
+    kinds[i].sheet = i >= mesh.solid_triangles();
     polygons[i] = {{frame.flat(own[0]), frame.flat(own[1]), frame.flat(own[2])}};
     for (const std::uint32_t other : near.of(i, i)) {
       if (other >= mesh.solid_triangles()) continue;
-      for (const Segment& segment : meeting(frame, corners_of(mesh, other), scale.touching)) {
+      const Corners there = corners_of(mesh, other);
+      for (const Segment& segment : meeting(frame, there, scale.touching)) {
         cut(polygons[i], segment, scale.touching);
+      }
+      if (kinds[i].sheet || !faces(frame, own, there, narrow)) continue;
+      kinds[i].facing.push_back(there);
+      for (std::size_t k = 0; k < 3; ++k) {
+        cut(polygons[i], {frame.flat(there[k]), frame.flat(there[(k + 1) % 3])}, scale.touching);
       }
     }
   });
   const bool whole = std::all_of(polygons.begin(), polygons.end(),
                                  [](const auto& pieces) { return pieces.size() == 1; });
   // One closed part that does not cut itself is its own outer surface.
-  const bool simple = whole && mesh.closed() && mesh.components == 1;
+  SurfacePieces pieces;
+  pieces.gaps_closed = std::any_of(kinds.begin(), kinds.end(),
+                                   [](const Kind& kind) { return !kind.facing.empty(); });
+  const bool simple = whole && mesh.closed() && mesh.components == 1 && !pieces.gaps_closed;
   std::vector<Sorted> sorted(mesh.triangles.size());
   tbb::parallel_for(std::size_t{0}, mesh.triangles.size(), [&](std::size_t i) {
     const Corners own = corners_of(mesh, i);
-    const bool sheet = i >= mesh.solid_triangles();
     if (simple) {
       sorted[i].kept.push_back(own);
     } else if (polygons[i].size() == 1) {
       keep(sorted[i], own,
-           side_of(winding, (own[0] + own[1] + own[2]) / 3, normal_of(own), scale.probe, sheet));
+           side_of(winding, (own[0] + own[1] + own[2]) / 3, Frame(own), scale, kinds[i]));
     } else {
-      sorted[i] = sort_pieces(winding, Frame(own), polygons[i], scale, sheet);
+      sorted[i] = sort_pieces(winding, Frame(own), polygons[i], scale, kinds[i]);
     }
   });
-  SurfacePieces pieces;
   for (std::size_t i = 0; i < sorted.size(); ++i) {
     auto& to = i < mesh.solid_triangles() ? pieces.solids : pieces.sheets;
     to.insert(to.end(), sorted[i].kept.begin(), sorted[i].kept.end());

@@ -99,9 +99,10 @@ struct ExactSurface::Implementation {
     }
   };
 
-  Implementation(const Mesh& mesh, double sheet_thickness)
-      : winding(mesh), thickness(sheet_thickness) {
-    const SurfacePieces pieces = outer_pieces(mesh, winding);
+  Implementation(const Mesh& mesh, double sheet_thickness, double tolerance)
+      : winding(mesh), thickness(sheet_thickness), narrow(narrow_share * tolerance) {
+    const SurfacePieces pieces = outer_pieces(mesh, winding, narrow);
+    gaps_closed = pieces.gaps_closed;
     hidden_area = pieces.hidden_area;
     touching = 1e-7 * mesh.diagonal;
     solids.add(pieces.solids);
@@ -136,7 +137,20 @@ struct ExactSurface::Implementation {
             first + static_cast<std::size_t>(found.second - kind.triangles.begin()), sheet};
   }
 
-  [[nodiscard]] bool inside(const Vector3& point) const noexcept { return winding.at(point) > 0.5; }
+  /// Also within a gap that is closed: then a solid is as near as the gap is narrow.
+  [[nodiscard]] bool inside(const Vector3& point, double away) const noexcept {
+    if (winding.at(point) > 0.5) return true;
+    const double reach = 2 * narrow;
+    if (!gaps_closed || away <= reach) return false;
+    for (int axis = 0; axis < 3; ++axis) {
+      for (const double way : {-reach, reach}) {
+        Vector3 beside = point;
+        beside[axis] += way;
+        if (winding.at(beside) > 0.5) return true;
+      }
+    }
+    return false;
+  }
 
   [[nodiscard]] SurfacePoint closest(const Vector3& point, const SurfacePoint* from) const {
     if (sheets.triangles.empty()) return closest_of(solids, point, from);
@@ -146,7 +160,7 @@ struct ExactSurface::Implementation {
     const double beside = (sheet.position - point).norm() - thickness,
                  away = (solid.position - point).norm();
     if (beside >= away) return solid;
-    return beside < -away || !inside(point) ? sheet : solid;
+    return beside < -away || !inside(point, away) ? sheet : solid;
   }
 
   /// The triangles of which a distance of so much is felt, nearest first.
@@ -179,6 +193,8 @@ struct ExactSurface::Implementation {
 
   ExactWinding winding;
   double thickness = 0;
+  double narrow = 0;         ///< m: gaps within this are closed
+  bool gaps_closed = false;  ///< there are such
   Kind solids, sheets;
   std::vector<double> cumulative;  ///< area up to and including each triangle
   double area = 0;
@@ -186,8 +202,8 @@ struct ExactSurface::Implementation {
   double touching = 0;
 };
 
-ExactSurface::ExactSurface(const Mesh& mesh, double sheet_thickness)
-    : implementation_(std::make_unique<Implementation>(mesh, sheet_thickness)) {}
+ExactSurface::ExactSurface(const Mesh& mesh, double sheet_thickness, double tolerance)
+    : implementation_(std::make_unique<Implementation>(mesh, sheet_thickness, tolerance)) {}
 
 ExactSurface::~ExactSurface() = default;
 
@@ -197,8 +213,10 @@ double ExactSurface::area() const noexcept { return implementation_->area; }
 
 double ExactSurface::hidden_area() const noexcept { return implementation_->hidden_area; }
 
-bool ExactSurface::inside(const Vector3& point) const noexcept {
-  return implementation_->inside(point);
+bool ExactSurface::inside(const Vector3& point) const {
+  if (implementation_->solids.triangles.empty()) return false;
+  const SurfacePoint solid = implementation_->closest_of(implementation_->solids, point, nullptr);
+  return implementation_->inside(point, (solid.position - point).norm());
 }
 
 SurfacePoint ExactSurface::closest(const Vector3& point) const {
@@ -217,7 +235,7 @@ double ExactSurface::size_of_distance(const Vector3& point, const SurfacePoint& 
 double ExactSurface::distance(const Vector3& point, const SurfacePoint& closest) const {
   const double away = (point - closest.position).norm();
   if (closest.sheet) return away - implementation_->thickness;
-  return inside(point) ? -away : away;
+  return implementation_->inside(point, away) ? -away : away;
 }
 
 SurfacePoint ExactSurface::at(double choice, double a, double b) const {

@@ -17,6 +17,8 @@ struct SurfacePoint {
   bool sheet = false;                ///< of a sheet, and not of a solid
 };
 
+inline constexpr double narrow_share = 0.02;
+
 /// The features of a surface that compete for being the closest.
 struct Rivals {
   bool contested = false;  ///< one differs from the closest by more than 5 degrees
@@ -29,8 +31,9 @@ struct Rivals {
 /// number of threads may use it.
 class ExactSurface {
  public:
-  /// `sheet_thickness`, m: from the middle of a sheet to what is felt of it.
-  explicit ExactSurface(const Mesh& mesh, double sheet_thickness = 0);
+  /// `sheet_thickness`, m: from the middle of a sheet to what is felt of it. `tolerance`, m, of
+  /// what is judged: gaps narrower than narrow_share of it are closed (SOLID.md).
+  explicit ExactSurface(const Mesh& mesh, double sheet_thickness = 0, double tolerance = 0);
   ~ExactSurface();
   ExactSurface(const ExactSurface&) = delete;
   ExactSurface& operator=(const ExactSurface&) = delete;
@@ -39,8 +42,9 @@ class ExactSurface {
   [[nodiscard]] double area() const noexcept;         ///< m2
   [[nodiscard]] double hidden_area() const noexcept;  ///< m2, of the mesh, inside other parts
 
-  /// Whether a point is in a solid: its winding number is above one half.
-  [[nodiscard]] bool inside(const Vector3& point) const noexcept;
+  /// Whether a point is in a solid: its winding number is above one half, or it lies in a gap that
+  /// is closed.
+  [[nodiscard]] bool inside(const Vector3& point) const;
 
   /// The point of the outer surface whose distance counts.
   [[nodiscard]] SurfacePoint closest(const Vector3& point) const;

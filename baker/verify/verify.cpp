@@ -152,22 +152,21 @@ VerifyReport verify_against(const Mesh& mesh, const AssetView& view, const Asset
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                                   threads_of(options));
   const Band band = checked_band(metadata, options);
-  const double thickness = metadata.sheet_thickness;
-  const ExactSurface surface(mesh, thickness);
+  const double thickness = metadata.sheet_thickness,
+               tolerance = metadata.tolerance.value_or(metadata.diagonal / 1000);
+  const ExactSurface surface(mesh, thickness, tolerance);
   const std::optional<ExactSurface> before =
-      unsmoothed != nullptr ? std::optional<ExactSurface>(std::in_place, *unsmoothed, thickness)
-                            : std::nullopt;
+      unsmoothed != nullptr
+          ? std::optional<ExactSurface>(std::in_place, *unsmoothed, thickness, tolerance)
+          : std::nullopt;
   if (surface.empty()) {
     throw BakeError(ExitCode::invalid_input,
                     mesh.path + ": nothing of its surface is felt; turn its triangles outward");
   }
   // The fit uses the same generator. A different seed keeps the two sets of places apart.
-  const Setting setting{surface,
-                        before ? &*before : nullptr,
-                        view,
-                        band,
-                        metadata.tolerance.value_or(metadata.diagonal / 1000),
-                        random_bits(options.seed, 0x7665726966790000ULL)};
+  const Setting setting{surface,   before ? &*before : nullptr,
+                        view,      band,
+                        tolerance, random_bits(options.seed, 0x7665726966790000ULL)};
   const auto measured = [&](const Setting& how, std::uint64_t count) {
     std::vector<Outcome> outcomes(count);
     tbb::parallel_for(std::size_t{0}, outcomes.size(),

@@ -89,7 +89,8 @@ class Legends {
 std::vector<NamedPicture> error_pictures(const AssetView& view, const AssetMetadata& metadata,
                                          const std::string& mesh_path, const VerifyReport& report) {
   const Mesh mesh = mesh_of_asset(metadata, mesh_path);
-  const ExactSurface exact(mesh, metadata.sheet_thickness);
+  const double tolerance = metadata.tolerance.value_or(metadata.diagonal / 1000);
+  const ExactSurface exact(mesh, metadata.sheet_thickness, tolerance);
   const Caster surface(outer_surface(mesh), metadata.sheet_thickness);
   const Caster known = caster_of(known_surface(view));
 
@@ -104,8 +105,7 @@ std::vector<NamedPicture> error_pictures(const AssetView& view, const AssetMetad
   const Window cut{worst, axis_of_cut(closest_point.normal),
                    4 * std::max(view.band.max_depth, view.band.margin)};
   const Window wide_cut{cut.middle, cut.toward, 2 * cut.edge};
-  const ErrorScale scale{exact, view, report.band,
-                         metadata.tolerance.value_or(metadata.diagonal / 1000)};
+  const ErrorScale scale{exact, view, report.band, tolerance};
   const DirectionScale directions{exact, view, scale.tolerance, direction_end};
 
   const std::array<Picture, 2> both{render(surface, whole, side), render(known, whole, side)};

@@ -185,6 +185,32 @@ TEST_CASE("Sheets that cross one another stay as they are") {
   CHECK(surface.triangles.size() == 4);
 }
 
+TEST_CASE("Parts that touch or nearly touch are one, and a gap that can be felt stays") {
+  const Shape below = box({3, 3, 3});
+  const Shape above = moved(box({1.2, 1.2, 1}), {0.03, -0.02, 2});
+  for (const double gap : {-2e-5, -1e-7, 0.0, 1e-7, 2e-5, 9e-5}) {
+    for (const double turn : {0.0, 0.3}) {
+      INFO(gap << ", turned by " << turn);
+      const Eigen::AngleAxisd rotation(turn, Vector3(1, 2, 3).normalized());
+      Shape both = merged(below, moved(above, {0, 0, gap}));
+      for (Vector3& vertex : both.vertices) vertex = rotation * vertex;
+      const baker::Mesh mesh = load_shape(both);
+      const OuterSurface one = baker::outer_surface(mesh, 1e-4);
+      CHECK(kept_area(one) == Approx(6 * 9 + 4 * 1.2 * 1).epsilon(1e-4));
+      const OuterSurface apart = baker::outer_surface(mesh, 1e-5);
+      const bool two = gap > 1e-5;
+      CHECK(kept_area(apart) == Approx(6 * 9 + 4 * 1.2 + (two ? 2 * 1.44 : 0)).epsilon(1e-4));
+    }
+  }
+}
+
+TEST_CASE("A wall stays a wall, however thin it is") {
+  for (const double thickness : {1e-6, 5e-5}) {
+    const baker::Mesh mesh = load_shape(box({1, 1, thickness}));
+    CHECK(kept_area(baker::outer_surface(mesh, 1e-4)) == Approx(2).epsilon(1e-3));
+  }
+}
+
 TEST_CASE("The outer surface is the same every time") {
   const Shape shape = merged(sphere(1, 2), moved(sphere(1, 2), {0.7, 0.1, 0.2}));
   const OuterSurface first = surface_of(shape);

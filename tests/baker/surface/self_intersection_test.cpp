@@ -26,7 +26,7 @@ TEST_CASE("A large mesh is cut into slabs, and no pair of its triangles is lost 
       all.triangles.push_back({a + first, b + first, c + first});
     }
   }
-  const std::vector<TrianglePair> found = intersecting_pairs(all.vertices, all.triangles);
+  const std::vector<TrianglePair> found = meeting_pairs(all.vertices, all.triangles, 0).crossing;
   // Of any two fifths of the triangles, which are too few to be cut.
   const std::size_t fifth = all.triangles.size() / 5;
   std::vector<TrianglePair> expected;
@@ -40,7 +40,7 @@ TEST_CASE("A large mesh is cut into slabs, and no pair of its triangles is lost 
           numbers.push_back(static_cast<std::uint32_t>(t));
         }
       }
-      for (const auto& [a, b] : intersecting_pairs(all.vertices, part)) {
+      for (const auto& [a, b] : meeting_pairs(all.vertices, part, 0).crossing) {
         expected.emplace_back(numbers[a], numbers[b]);
       }
     }

@@ -173,6 +173,21 @@ TEST_CASE("What of a sheet lies in a solid is not felt") {
   CHECK(signed_distance(surface, {0.02, 0, -0.0002}) == Approx(-0.0003));
 }
 
+TEST_CASE("Within a closed gap all is inside, and what bounds it is no surface") {
+  const test::Shape below = test::box({0.06, 0.06, 0.06});
+  for (const double gap : {0.0, 1e-7, 1e-6}) {
+    const ExactSurface surface(
+        test::as_mesh(test::merged(
+            below, test::moved(test::box({0.024, 0.024, 0.02}), {0.001, 0.002, 0.04 + gap}))),
+        0, 1e-4);
+    INFO(gap);
+    CHECK(signed_distance(surface, {0.001, 0.002, 0.03 + gap / 2}) == Approx(-0.012).margin(2e-6));
+    CHECK(signed_distance(surface, {0.001, 0.002, 0.029}) == Approx(-0.012).epsilon(0.01));
+    CHECK(signed_distance(surface, {0.025, 0, 0.031}) == Approx(0.001));
+    CHECK(surface.area() == Approx(6 * 0.0036 + 4 * 0.024 * 0.02).epsilon(1e-4));
+  }
+}
+
 TEST_CASE("Directions are contested near the medial axis and nowhere else") {
   const ExactSurface surface(test::as_mesh(test::box({0.1, 0.1, 0.1})));
   const auto contested = [&](const Vector3& point) {
