@@ -154,9 +154,9 @@ struct ExactSurface::Implementation {
 
   [[nodiscard]] SurfacePoint closest(const Vector3& point, const SurfacePoint* from) const {
     if (sheets.triangles.empty()) return closest_of(solids, point, from);
-    const SurfacePoint sheet = closest_of(sheets, point, from);
+    SurfacePoint sheet = closest_of(sheets, point, from);
     if (solids.triangles.empty()) return sheet;
-    const SurfacePoint solid = closest_of(solids, point, from);
+    SurfacePoint solid = closest_of(solids, point, from);
     const double beside = (sheet.position - point).norm() - thickness,
                  away = (solid.position - point).norm();
     if (beside >= away) return solid;
