@@ -172,9 +172,9 @@ void add_build_options(CLI::App& command, BuildRequest& request) {
   cli::add_quantity(command, "--margin", bake.margin, Quantity::length,
                     "how far outside the asset answers, at least the probe's radius "
                     "(default: that radius and a quarter of --max-depth)");
-  cli::add_choice<OpenAs>(
-      command, "--open", request.load.open_as,
-      {{"auto", OpenAs::automatic}, {"solid", OpenAs::solid}, {"sheet", OpenAs::sheet}},
+  cli::add_word(
+      command, "--open", {open_as_words.begin(), open_as_words.end()},
+      [&request](std::size_t i) { request.load.open_as = static_cast<OpenAs>(i); },
       "what open parts are: solids whose holes get lids, or sheets felt from both sides (default "
       "auto: solids where lids take at most 5 % of their area)");
   cli::add_quantity(command, "--sheet-thickness", bake.sheet_thickness, Quantity::length,

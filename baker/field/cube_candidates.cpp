@@ -148,6 +148,10 @@ double CandidatesOfKind::distance() const noexcept {
   return triangles.empty() ? std::numeric_limits<double>::infinity() : triangles.front().distance;
 }
 
+double felt_nearer(const LatticeSurface& surface, const Candidates& candidates) noexcept {
+  return candidates.sheets.triangles.empty() ? 0 : surface.sheet_thickness;
+}
+
 std::array<Candidates, 8> candidates_in_octants(const LatticeSurface& surface,
                                                 const Candidates& around, const Cube& cube) {
   // Kept from cube to cube, since to allocate it each time takes longer than to fill it.

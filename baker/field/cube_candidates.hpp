@@ -61,6 +61,11 @@ struct Candidates {
   }
 };
 
+/// By how much what is felt is nearer than the triangles of candidates that are not mixed, m: 0 but
+/// for sheets.
+[[nodiscard]] double felt_nearer(const LatticeSurface& surface,
+                                 const Candidates& candidates) noexcept;
+
 /// The candidates of a cube's octants among those of the cube, or of a cube among the given
 /// triangles. None that matters is left out: a triangle goes where another one is nearer in all of
 /// the cube.

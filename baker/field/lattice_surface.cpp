@@ -173,12 +173,14 @@ LatticeSurface round_to_lattice(const OuterSurface& surface, const Caster& caste
   lattice.sheet_thickness = caster.sheet_thickness();
   lattice.caster = std::make_unique<Caster>(lattice.surface, lattice.sheet_thickness);
   // Sides are those of solids, beside which sheets are in the way.
-  const OuterSurface solids = solids_of(lattice.surface);
+  std::optional<OuterSurface> without_sheets;
   std::optional<Caster> exact_solids, rounded_solids;
   if (lattice.surface.has_sheets()) {
+    without_sheets = solids_of(lattice.surface);
     exact_solids.emplace(solids_of(surface));
-    rounded_solids.emplace(solids);
+    rounded_solids.emplace(*without_sheets);
   }
+  const OuterSurface& solids = without_sheets ? *without_sheets : lattice.surface;
   const std::vector<bool> folded = find_folded(solids.triangles);
   const std::vector<FeatureSides> sides = find_feature_sides(
       solids, folded,

@@ -220,7 +220,7 @@ std::array<std::size_t, 8> nearest_to_corners(const LatticeSurface& surface,
 std::vector<CubeSample> sample_cube(const LatticeSurface& surface, const Candidates& all,
                                     const Cube& cube, std::optional<bool> inside) {
   const CandidatesOfKind& candidates = all.only_kind();
-  const double felt = all.sheets.triangles.empty() ? 0 : surface.sheet_thickness;
+  const double felt = felt_nearer(surface, all);
   std::vector<CubeSample> samples(std::size_t{nodes} * nodes * nodes);
   for (std::size_t block = 0; block < 8; ++block) {
     const Vector3 middle = sample_middle * octant_direction(block);

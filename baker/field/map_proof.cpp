@@ -118,7 +118,7 @@ class Proof {
   int cubes_ = 0;
 
   Verdict judge(const Candidates& candidates, const Cube& cube, std::optional<bool> inside) const {
-    const double distance = candidates.only_kind().distance() - felt(candidates);
+    const double distance = candidates.only_kind().distance() - felt_nearer(surface_, candidates);
     const bool side = inside ? *inside : is_middle_inside(surface_, candidates, cube);
     const double truth = side ? -distance : distance;
     std::array<Quadratic, 2> maps;
@@ -152,11 +152,6 @@ class Proof {
 
   [[nodiscard]] bool within_tolerance(const Interval& off) const {
     return off.low >= -tolerance_ && off.high <= tolerance_;
-  }
-
-  /// m: what is felt of sheets is so much nearer than they are. Of solids nothing.
-  [[nodiscard]] double felt(const Candidates& candidates) const {
-    return candidates.sheets.triangles.empty() ? 0 : surface_.sheet_thickness;
   }
 
   /// Whether what a place is told, m, refutes the maps, so that dividing further is in vain.
@@ -221,8 +216,8 @@ class Proof {
     double high = -std::numeric_limits<double>::infinity();
     for (const Candidate& candidate : candidates.only_kind().triangles) {
       for (std::size_t k = 0; k < maps_.size(); ++k) {
-        over[k] = maps[k].value - (candidate.distance - felt(candidates)) + rise[k] +
-                  cube.half * (maps[k].gradient - candidate.tangent).lpNorm<1>();
+        over[k] = maps[k].value - (candidate.distance - felt_nearer(surface_, candidates)) +
+                  rise[k] + cube.half * (maps[k].gradient - candidate.tangent).lpNorm<1>();
       }
       high = std::max(high, of_both(over[0], over[1], inside));
     }
@@ -246,7 +241,7 @@ class Proof {
     const CandidatesOfKind& candidates = all.only_kind();
     double bulge = 0;
     for (int i = 0; i < 3; ++i) bulge += cube.half * cube.half * std::max(0.0, map.bend(i, i));
-    const CornerValues told = at_corners(map, cube.half) + felt(all);
+    const CornerValues told = at_corners(map, cube.half) + felt_nearer(surface_, all);
     double low = -std::numeric_limits<double>::infinity();
     const auto bound_by = [&](const CornerValues& distances) {
       low = std::max(low, (told - distances).minCoeff() - bulge);

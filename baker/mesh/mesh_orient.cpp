@@ -229,18 +229,15 @@ class Turner {
   std::vector<std::optional<WindingNumber>> numbers_;
 };
 
-/// Edges along which more triangles run in one direction than in the other.
-[[nodiscard]] std::vector<std::array<std::uint32_t, 2>> border_of(
-    const std::vector<Triangle>& triangles) {
-  std::vector<std::array<std::uint32_t, 2>> border;
+/// How many edges there are along which more triangles run in one direction than in the other.
+[[nodiscard]] std::uint64_t count_border_edges(const std::vector<Triangle>& triangles) {
+  std::uint64_t count = 0;
   for_each_edge(sorted_edges(triangles), [&](std::span<const HalfEdge> users) {
     const auto forward = std::count_if(users.begin(), users.end(),
                                        [](const HalfEdge& user) { return user.forward; });
-    const auto balance = 2 * forward - static_cast<std::ptrdiff_t>(users.size());
-    if (balance > 0) border.push_back({users[0].low, users[0].high});
-    if (balance < 0) border.push_back({users[0].high, users[0].low});
+    count += 2 * forward != static_cast<std::ptrdiff_t>(users.size()) ? 1 : 0;
   });
-  return border;
+  return count;
 }
 
 }  // namespace
@@ -267,7 +264,7 @@ Orientation orient(std::span<const Vector3> points, std::vector<Triangle>& trian
   orientation.components = count_components(edges, triangles.size());
   std::vector<Patch> patches = Patcher(triangles, edges, orientation).patches();
   Turner(points, triangles, patches).run(orientation);
-  orientation.border = border_of(triangles);
+  orientation.border_edges = count_border_edges(triangles);
   return orientation;
 }
 

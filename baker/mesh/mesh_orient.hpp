@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
@@ -16,7 +15,7 @@ struct Orientation {
   std::uint64_t flipped = 0;            ///< triangles that disagreed with their neighbours
   std::uint64_t unorientable = 0;       ///< edges whose two triangles cannot agree
   std::uint64_t nonmanifold_edges = 0;  ///< edges of more than two triangles
-  std::vector<std::array<std::uint32_t, 2>> border;  ///< edges that some triangle leaves open
+  std::uint64_t border_edges = 0;       ///< edges that some triangle leaves open
 };
 
 /// Orients triangles in place so that their normals point out of the solid. Neighbours across an

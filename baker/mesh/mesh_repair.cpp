@@ -87,57 +87,33 @@ void compact(const std::vector<Vector3>& points, Mesh& mesh) {
   return box.isEmpty() ? 0 : box.diagonal().norm();
 }
 
-[[nodiscard]] std::string counted(std::uint64_t count, const char* one, const char* many) {
-  return std::to_string(count) + " " + (count == 1 ? one : many);
-}
-
 void describe(std::size_t merged, const Seams& seams, std::size_t inner,
               const Orientation& orientation, Mesh& mesh) {
-  if (merged > 0) {
-    mesh.notes.push_back(counted(merged, "vertex", "vertices") +
-                         " merged with another at the same place.");
-  }
-  if (seams.welded > 0) {
-    mesh.notes.push_back(counted(seams.welded, "vertex", "vertices") +
-                         " of the border welded to others within a millionth of the diagonal.");
-  }
-  if (seams.split > 0) {
-    mesh.notes.push_back(counted(seams.split, "triangle", "triangles") +
-                         " divided at vertices of others that lie on their edges.");
-  }
-  if (mesh.dropped_triangles > 0) {
-    mesh.notes.push_back(counted(mesh.dropped_triangles, "triangle", "triangles") +
-                         " dropped that had no area or lay on another with the same corners.");
-  }
-  if (inner > 0) {
-    mesh.notes.push_back(counted(inner, "triangle", "triangles") +
-                         " dropped that only divide a part's inside, where nothing reaches them.");
-  }
-  if (orientation.flipped > 0) {
-    mesh.notes.push_back(counted(orientation.flipped, "triangle", "triangles") +
-                         " reversed to agree with the neighbours.");
-  }
-  if (orientation.inverted > 0) {
-    mesh.notes.push_back(counted(orientation.inverted, "part that was", "parts that were") +
-                         " inside out turned, so that normals point out of the solid.");
-  }
-  if (orientation.unorientable > 0) {
-    mesh.notes.push_back(counted(orientation.unorientable, "edge joins", "edges join") +
-                         " triangles that cannot agree on an outside (a one-sided strip).");
-  }
-  if (orientation.nonmanifold_edges > 0) {
-    mesh.notes.push_back(counted(orientation.nonmanifold_edges, "edge is", "edges are") +
-                         " shared by more than two triangles.");
-  }
-  if (!mesh.lids.empty()) {
-    mesh.notes.push_back(counted(mesh.lids.size(), "small hole", "small holes") +
-                         " closed by a lid, which is felt like the rest of the surface.");
-  }
-  if (mesh.sheets > 0) {
-    mesh.notes.push_back(counted(mesh.sheets, "part is open and taken for a sheet, which is",
-                                 "parts are open and taken for sheets, which are") +
-                         " felt from both sides.");
-  }
+  const auto note = [&mesh](std::uint64_t count, const char* one, const char* many,
+                            const char* what) {
+    if (count == 0) return;
+    mesh.notes.push_back(std::to_string(count) + " " + (count == 1 ? one : many) + what);
+  };
+  note(merged, "vertex", "vertices", " merged with another at the same place.");
+  note(seams.welded, "vertex", "vertices",
+       " of the border welded to others within a millionth of the diagonal.");
+  note(seams.split, "triangle", "triangles",
+       " divided at vertices of others that lie on their edges.");
+  note(mesh.dropped_triangles, "triangle", "triangles",
+       " dropped that had no area or lay on another with the same corners.");
+  note(inner, "triangle", "triangles",
+       " dropped that only divide a part's inside, where nothing reaches them.");
+  note(orientation.flipped, "triangle", "triangles", " reversed to agree with the neighbours.");
+  note(orientation.inverted, "part that was", "parts that were",
+       " inside out turned, so that normals point out of the solid.");
+  note(orientation.unorientable, "edge joins", "edges join",
+       " triangles that cannot agree on an outside (a one-sided strip).");
+  note(orientation.nonmanifold_edges, "edge is", "edges are",
+       " shared by more than two triangles.");
+  note(mesh.lids.size(), "small hole", "small holes",
+       " closed by a lid, which is felt like the rest of the surface.");
+  note(mesh.sheets, "part is open and taken for a sheet, which is",
+       "parts are open and taken for sheets, which are", " felt from both sides.");
 }
 
 }  // namespace
@@ -177,7 +153,7 @@ void repair(PolygonSoup soup, Mesh& mesh) {
   mesh.sheets = lids.sheets;
   compact(soup.points, mesh);
   const bool seamless = seams.welded == 0 && seams.split == 0;
-  mesh.border_edges = seamless ? orientation.border.size() : seams.border_edges;
+  mesh.border_edges = seamless ? orientation.border_edges : seams.border_edges;
   describe(merged, seams, inner, orientation, mesh);
 }
 

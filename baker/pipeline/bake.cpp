@@ -105,18 +105,16 @@ AssetMetadata describe(const Mesh& mesh, const BakeOptions& options) {
     metadata.tolerance = options.tolerance.value_or(default_tolerance_share * mesh.diagonal);
   }
   if (!mesh.closed()) {
-    const double tolerance = metadata.tolerance.value_or(default_tolerance_share * mesh.diagonal);
     metadata.sheet_thickness =
-        options.sheet_thickness.value_or(std::min(tolerance, options.max_depth));
+        options.sheet_thickness.value_or(std::min(answer_tolerance(metadata), options.max_depth));
   }
   return metadata;
 }
 
 /// Points whose hull encloses a surface and what is felt of its sheets.
 std::vector<Vector3> felt_points(const Mesh& mesh, double sheet_thickness) {
-  std::vector<Vector3> points = mesh.vertices;
-  if (sheet_thickness == 0) return points;
-  points.clear();
+  if (sheet_thickness == 0) return mesh.vertices;
+  std::vector<Vector3> points;
   for (const Vector3& vertex : mesh.vertices) {
     for (std::size_t octant = 0; octant < 8; ++octant) {
       points.push_back(vertex + sheet_thickness * octant_direction(octant));
@@ -189,9 +187,7 @@ BakeResult bake(const Mesh& mesh, const BakeOptions& options, const Progress& pr
   }
   const Mesh& solid = result.smoothed ? *result.smoothed : mesh;
   if (result.report.smooth) result.report.stages.end("smooth");
-  const double fineness =
-      asset.metadata.tolerance.value_or(default_tolerance_share * asset.metadata.diagonal);
-  OuterSurface surface = outer_surface(solid, narrow_gap_share * fineness);
+  OuterSurface surface = outer_surface(solid, narrow_gap_share * answer_tolerance(asset.metadata));
   if (result.report.smooth) surface.hidden += result.report.smooth->hidden;
   if (surface.triangles.empty()) {
     throw BakeError(ExitCode::invalid_input,

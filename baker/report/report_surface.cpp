@@ -83,7 +83,7 @@ nlohmann::ordered_json surface_json(const Mesh& mesh, const AssetView& view,
     return {{"left_out", "The surface of " + std::to_string(surface.triangles.size()) +
                              " triangles is too large to be drawn here."}};
   }
-  const double tolerance = metadata.tolerance.value_or(metadata.diagonal / 1000);
+  const double tolerance = answer_tolerance(metadata);
   const ExactSurface exact(mesh, metadata.sheet_thickness, tolerance);
   const ErrorScale scale{exact, view, report.band, tolerance};
   Vector3 low = surface.vertices.front(), high = low;

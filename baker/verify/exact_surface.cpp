@@ -215,6 +215,8 @@ double ExactSurface::hidden_area() const noexcept { return implementation_->hidd
 
 bool ExactSurface::inside(const Vector3& point) const {
   if (implementation_->solids.triangles.empty()) return false;
+  // Only of closed gaps the distance matters.
+  if (!implementation_->gaps_closed) return implementation_->inside(point, 0);
   const SurfacePoint solid = implementation_->closest_of(implementation_->solids, point, nullptr);
   return implementation_->inside(point, (solid.position - point).norm());
 }

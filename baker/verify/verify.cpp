@@ -152,8 +152,7 @@ VerifyReport verify_against(const Mesh& mesh, const AssetView& view, const Asset
   const tbb::global_control limit(tbb::global_control::max_allowed_parallelism,
                                   threads_of(options));
   const Band band = checked_band(metadata, options);
-  const double thickness = metadata.sheet_thickness,
-               tolerance = metadata.tolerance.value_or(metadata.diagonal / 1000);
+  const double thickness = metadata.sheet_thickness, tolerance = answer_tolerance(metadata);
   const ExactSurface surface(mesh, thickness, tolerance);
   const std::optional<ExactSurface> before =
       unsmoothed != nullptr

@@ -89,7 +89,7 @@ class Legends {
 std::vector<NamedPicture> error_pictures(const AssetView& view, const AssetMetadata& metadata,
                                          const std::string& mesh_path, const VerifyReport& report) {
   const Mesh mesh = mesh_of_asset(metadata, mesh_path);
-  const double tolerance = metadata.tolerance.value_or(metadata.diagonal / 1000);
+  const double tolerance = answer_tolerance(metadata);
   const ExactSurface exact(mesh, metadata.sheet_thickness, tolerance);
   const Caster surface(outer_surface(mesh), metadata.sheet_thickness);
   const Caster known = caster_of(known_surface(view));
