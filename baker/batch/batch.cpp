@@ -173,7 +173,7 @@ std::vector<AssetOutcome> checked_before(const Manifest& manifest) {
       continue;
     }
     ::close(mesh);
-    if (const Result<void> writable = check_output_path(entry.request.output); !writable) {
+    if (const Result<void> writable = check_new_output(entry.request.output); !writable) {
       outcomes[i] = failed_outcome(
           {writable.error().code, fmt::format("{}: line {}: 'output': {}", manifest.path,
                                               entry.output_line, writable.error().message)});

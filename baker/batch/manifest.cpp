@@ -12,6 +12,7 @@
 
 #include "baker/batch/mesh_pattern.hpp"
 #include "baker/batch/scenes.hpp"
+#include "baker/build/build.hpp"
 #include "formats/asset/asset_writer.hpp"
 #include "formats/files/nearest_word.hpp"
 #include "formats/files/sha256.hpp"
@@ -176,7 +177,7 @@ class Reader {
                       "it out to check the scene where it is");
       }
       if (Result<void> own = take_output(scene.output, scene.output_line); !own) return own;
-      if (const Result<void> writable = check_output_path(scene.output); !writable) {
+      if (const Result<void> writable = check_new_output(scene.output); !writable) {
         return refuse(scene.output_line, "'output': " + writable.error().message);
       }
     }

@@ -10,6 +10,7 @@
 #include <sstream>
 #include <system_error>
 
+#include "baker/build/build.hpp"
 #include "common/base/units.hpp"
 #include "formats/files/output_file.hpp"
 #include "formats/files/text_file.hpp"
@@ -190,6 +191,7 @@ Result<void> write_where_new(const std::string& path, const std::string& text) {
     const Result<std::string> before = read_text_file(path, "a scene");
     if (before && *before == text) return {};
   }
+  make_folder_of(path);
   return write_file(path, text);
 }
 

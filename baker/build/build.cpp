@@ -69,15 +69,6 @@ Json spm_json(const BakeResult& baked) {
           {"cells", baked.report.record_cells}};
 }
 
-/// What the parts of the mesh were taken for.
-Json solid_json(const Mesh& mesh) {
-  return {{"parts", mesh.components},
-          {"sheets", mesh.sheets},
-          {"lids", mesh.lids.size()},
-          {"welded", mesh.welded},
-          {"copies", mesh.copies}};
-}
-
 /// Refuses to write an asset that breaks its promise, unless that is allowed.
 void judge(const BuildRequest& request, const BakeResult& baked, const VerifyReport& check,
            BuildReport& report) {
@@ -91,19 +82,19 @@ void judge(const BuildRequest& request, const BakeResult& baked, const VerifyRep
   } else if (check.distance.max > *metadata.tolerance) {
     const Vector3& at = check.worst_point;
     finding = fmt::format(
-        "the error reaches {} at ({:.6g}, {:.6g}, {:.6g}) m, above the tolerance of {}",
+        "the error reaches {} at ({:.9g}, {:.9g}, {:.9g}) m, above the tolerance of {}",
         length(check.distance.max), at.x(), at.y(), at.z(), length(*metadata.tolerance));
   } else if (served && !served->passed()) {
     const Vector3& at = served->worst;
     finding = fmt::format(
         "of {} places that were queried {} have no answer and {} are off by more than the "
-        "tolerance of {}, for instance at ({:.6g}, {:.6g}, {:.6g}) m",
+        "tolerance of {}, for instance at ({:.9g}, {:.9g}, {:.9g}) m",
         served->count, served->unanswered, served->beyond, length(*metadata.tolerance), at.x(),
         at.y(), at.z());
   } else if (check.jumps.beyond > 0) {
     const Vector3& at = check.jumps.worst_point;
     finding = fmt::format(
-        "the distance jumps by {} at ({:.6g}, {:.6g}, {:.6g}) m, by more than twice the tolerance "
+        "the distance jumps by {} at ({:.9g}, {:.9g}, {:.9g}) m, by more than twice the tolerance "
         "of {}",
         length(check.jumps.distance.max), at.x(), at.y(), at.z(), length(*metadata.tolerance));
   } else {
@@ -146,15 +137,49 @@ int threads_of(const BakeOptions& options) {
   return options.threads > 0 ? static_cast<int>(options.threads) : tbb::info::default_concurrency();
 }
 
+/// Refuses a mesh that has what somebody does not want, all of it in one sentence.
+void refuse_findings(const BuildRequest& request, const std::vector<MeshFinding>& findings) {
+  std::string what, words;
+  for (const MeshFinding& finding : findings) {
+    const auto kind = static_cast<std::size_t>(finding.kind);
+    if (!request.fail_on[kind]) continue;
+    const Vector3 at = 1e3 * finding.place;
+    what += fmt::format("{}{}, at ({:.9g}, {:.9g}, {:.9g}) mm{}", what.empty() ? "" : "; ",
+                        finding.what.substr(0, finding.what.size() - 1), at.x(), at.y(), at.z(),
+                        finding.count > 1 ? " for instance" : "");
+    if (words.find(finding_words[kind]) == std::string::npos) {
+      words += std::string(words.empty() ? "" : ",") + finding_words[kind];
+    }
+  }
+  if (what.empty()) return;
+  throw BakeError(ExitCode::invalid_input,
+                  fmt::format("{}: --fail-on {}: {}; mend the mesh there, or leave that word out",
+                              request.mesh, words, what));
+}
+
 /// Objects that a hand feels are no smaller and no larger from corner to corner, m.
 constexpr double smallest_object = 2e-3, largest_object = 5;
 
-/// Asks about the unit of a file where its numbers give an object that no hand feels.
+bool is_felt_by_hand(const Mesh& mesh) {
+  return mesh.diagonal >= smallest_object && mesh.diagonal <= largest_object;
+}
+
+/// Asks for the unit of a file whose numbers, taken for metres, give an object that no hand feels.
+void ask_unit(const BuildRequest& request, const Mesh& mesh) {
+  if (is_felt_by_hand(mesh) || mesh.unit_named || request.load.fit_diagonal) return;
+  throw BakeError(ExitCode::invalid_input,
+                  fmt::format("{}: the file names no unit, and in metres the object is {} from "
+                              "corner to corner; is it in mm? Say what its numbers are by --unit "
+                              "m, mm, cm or in, or how large it is to be by --fit-diagonal",
+                              request.mesh, length(mesh.diagonal)));
+}
+
+/// Warns where the size of an object whose unit was named is not one that a hand feels.
 void doubt_unit(const BuildRequest& request, const Mesh& mesh, const AssetMetadata& metadata,
                 BuildReport& report) {
-  if (request.load.fit_diagonal) return;
+  if (request.load.fit_diagonal || request.load.unit) return;
   const std::string size = length(mesh.diagonal);
-  if (mesh.diagonal < smallest_object || mesh.diagonal > largest_object) {
+  if (!is_felt_by_hand(mesh)) {
     report.warnings.push_back(fmt::format(
         "the object is {} from corner to corner; is it in mm? --unit says what its numbers are",
         size));
@@ -254,7 +279,7 @@ Json to_json(const BuildRequest& request, const Mesh& mesh, const BakeResult& ba
   Json json;
   json["output"] = request.output;
   json["mesh"] = mesh_json(mesh);
-  json["solid"] = solid_json(mesh);
+  json["solid"] = Json::parse(metadata.solid);
   json["spm"] = spm_json(baked);
   json["proof"] = {{"refused_cells", baked.report.refused_tile_cells},
                    {"fallback_area", baked.report.fallback_area}};
@@ -294,8 +319,30 @@ Json to_json(const BuildRequest& request, const Mesh& mesh, const BakeResult& ba
 
 }  // namespace
 
+Result<void> check_new_output(const std::string& output) {
+  const std::filesystem::path path(output);
+  std::filesystem::path folder = path.parent_path();
+  std::error_code ignored;
+  while (!folder.empty() &&
+         !std::filesystem::exists(std::filesystem::symlink_status(folder, ignored))) {
+    folder = folder.parent_path();
+  }
+  return check_output_path(folder == path.parent_path() ? output
+                                                        : (folder / path.filename()).string());
+}
+
+void make_folder_of(const std::string& output) {
+  const std::filesystem::path folder = std::filesystem::path(output).parent_path();
+  std::error_code problem;
+  if (!folder.empty()) std::filesystem::create_directories(folder, problem);
+  if (problem) {
+    throw BakeError(ExitCode::file_or_device, folder.string() + ": the folder cannot be made: " +
+                                                  problem.message() + "; write elsewhere");
+  }
+}
+
 void check_paths(const BuildRequest& request) {
-  if (const Result<void> writable = check_output_path(request.output); !writable) {
+  if (const Result<void> writable = check_new_output(request.output); !writable) {
     throw BakeError(writable.error().code, writable.error().message);
   }
   std::error_code ignored;
@@ -320,9 +367,12 @@ BuildReport run_build(const BuildRequest& request, const Progress& progress) {
   tell("load");
   const Mesh mesh = load_mesh(request.mesh, request.load);
   seconds.load = seconds_since(start);
+  ask_unit(request, mesh);
+  refuse_findings(request, mesh.findings);
 
   check_limits(request.limits, options, mesh, request.allow_inexact);
   BakeResult baked = bake_named(mesh, options, progress);
+  refuse_findings(request, baked.report.found_in_surface);
   const AssetMetadata& metadata = baked.asset.metadata;
   if (metadata.tolerance && !options.tolerance) {
     report.warnings.push_back(fmt::format("no --tolerance: taking 1/1000 of the diagonal, {}",
@@ -339,6 +389,7 @@ BuildReport run_build(const BuildRequest& request, const Progress& progress) {
 
   time_limit.disarm();
   const Clock::time_point writing = Clock::now();
+  make_folder_of(request.output);
   tell("write");
   const Written written = write(baked.asset, request.output);
   seconds.write = seconds_since(writing);

@@ -19,6 +19,12 @@ struct BuildReport {
   std::vector<std::string> notes;     ///< findings about the mesh
 };
 
+/// Whether an output could be written, in a folder that would be made first where it is missing.
+[[nodiscard]] Result<void> check_new_output(const std::string& output);
+
+/// Makes the folder in which an output is to lie, where it is missing. Throws BakeError.
+void make_folder_of(const std::string& output);
+
 /// Refuses an output that could not be written or is the mesh itself. Throws BakeError.
 void check_paths(const BuildRequest& request);
 

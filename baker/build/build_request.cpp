@@ -1,10 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "baker/build/build_request.hpp"
 
+#include <algorithm>
 #include <charconv>
 #include <cstdint>
 #include <limits>
 #include <numbers>
+#include <sstream>
+#include <string>
 
 #include "common/base/device_profile.hpp"
 #include "common/base/units.hpp"
@@ -14,6 +17,7 @@ namespace spm::baker {
 namespace {
 
 constexpr std::uint32_t max_layers = 255;
+constexpr const char* fail_on_words = "open, nonmanifold, selfintersecting, sheets, lids, repaired";
 constexpr std::uint64_t longest_time_limit = 1'000'000;  // s, a week and a half
 
 Result<void> read_layers(const std::string& text, BakeOptions& options) {
@@ -35,6 +39,21 @@ Result<void> read_layers(const std::string& text, BakeOptions& options) {
   options.layers = Layers::limited;
   options.layer_limit = limit;
   return {};
+}
+
+Result<void> read_fail_on(const std::string& text, FailOn& fail_on) {
+  std::istringstream words(text);
+  std::string word;
+  bool any = false;
+  while (std::getline(words, word, ',')) {
+    const auto found = std::find(finding_words.begin(), finding_words.end(), word);
+    if (found == finding_words.end()) {
+      return fail(ExitCode::usage, "'" + word + "' will not do: write " + fail_on_words +
+                                       ", one or several of them with commas between");
+    }
+    fail_on[static_cast<std::size_t>(found - finding_words.begin())] = any = true;
+  }
+  return any ? Result<void>() : fail(ExitCode::usage, std::string("write one of ") + fail_on_words);
 }
 
 void refuse(const std::string& option, const std::string& reason) {
@@ -141,6 +160,16 @@ void add_full_options(CLI::App& command, BakeOptions& bake) {
 
 }  // namespace
 
+void add_fail_on(CLI::App& command, FailOn& fail_on) {
+  cli::add_parsed(
+      command, "--fail-on",
+      [&fail_on](const std::string& text) { return read_fail_on(text, fail_on); },
+      "exit with 3, and places, where the mesh has any of these: open edges, edges of more than "
+      "two "
+      "triangles, triangles that cross, sheets, lids, or anything that had to be mended",
+      "open,nonmanifold,selfintersecting,sheets,lids,repaired");
+}
+
 void add_build_options(CLI::App& command, BuildRequest& request) {
   BakeOptions& bake = request.bake;
   command
@@ -210,6 +239,7 @@ void add_build_options(CLI::App& command, BuildRequest& request) {
       command, "--seed", 0, std::numeric_limits<std::uint64_t>::max(),
       [&bake](std::uint64_t n) { bake.seed = n; },
       "seed of the places where the bake and its check measure (default 1)");
+  add_fail_on(command, request.fail_on);
   cli::add_integer(
       command, "--time-limit", 1, longest_time_limit,
       [&request](std::uint64_t n) { request.time_limit = n; },

@@ -20,8 +20,12 @@ struct BuildRequest {
   LoadOptions load;
   LimitSources limits;
   bool allow_inexact = false;
+  FailOn fail_on{};
   std::uint64_t time_limit = 3600;  ///< s
 };
+
+/// Adds --fail-on.
+void add_fail_on(CLI::App& command, FailOn& fail_on);
 
 /// Adds MESH, -o and the options of a bake to a command, with their checks. Values out of range and
 /// options that contradict each other are usage errors. The entries of a manifest go through the

@@ -51,6 +51,7 @@ CacheKey cache_key(const BuildRequest& request, const std::string& mesh_sha256) 
   parts["smooth_angle"] = bake.smooth.angle;
   parts["seed"] = bake.seed;
   parts["allow_inexact"] = request.allow_inexact;
+  parts["fail_on"] = request.fail_on;
   key.digest = sha256_bytes(parts.dump());
   return key;
 }

@@ -60,6 +60,7 @@ BuildReport delivered(const CacheEntry& entry, const Wanted& wanted, const Build
   BuildReport report;
   const bool unchanged = holds(request.output, entry);
   if (!unchanged) {
+    make_folder_of(request.output);
     const Result<void> written = write_file(request.output, entry.asset);
     if (!written) throw BakeError(written.error().code, written.error().message);
   }

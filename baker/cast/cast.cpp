@@ -54,6 +54,9 @@ struct Caster::Implementation {
   Vector3 centre = Vector3::Zero();
   double diagonal = 0;
   std::optional<WindingNumber> winding;
+  std::unique_ptr<Caster> whole;  ///< over OuterSurface::sides
+  std::shared_ptr<const ClosedSurfaces> sides;
+  double gap = 0;  ///< m
 
   ~Implementation() {
     if (rays != nullptr) rtcReleaseScene(rays);
@@ -188,7 +191,18 @@ Caster::Caster(const OuterSurface& surface, double sheet_thickness)
   }
   self.centre = (low + high) / 2;
   self.diagonal = (high - low).norm();
-  self.winding.emplace(surface.vertices, std::span(surface.triangles).first(self.solid_count));
+  if (surface.sides) {
+    OuterSurface whole;
+    whole.vertices = surface.sides->vertices;
+    whole.triangles = surface.sides->triangles;
+    whole.solid_count = whole.triangles.size();
+    self.whole = std::make_unique<Caster>(whole);
+    self.gap = surface.sides->gap;
+    self.sides = surface.sides;
+    self.winding.emplace(surface.sides->vertices, surface.sides->triangles);
+  } else {
+    self.winding.emplace(surface.vertices, std::span(surface.triangles).first(self.solid_count));
+  }
   self.device = rtcNewDevice(nullptr);
   if (self.device == nullptr) throw BakeError(ExitCode::internal, "Embree could not be started");
   self.rays = self.make_scene(self.solid_count, true);
@@ -305,7 +319,7 @@ ClosestPoint Caster::closest(const Vector3& point) const {
 
   // Of solids beyond the radius some were met, and not the nearest.
   const bool any_solid = search.nearest_solid <= search.nearest_sheet + self.sheet_thickness;
-  bool voted_inside = false, voted_outside = false;
+  bool voted_inside = false, voted_outside = false, in_doubt = false;
   const Candidate *solid = nullptr, *sheet = nullptr;
   for (const Candidate& candidate : candidates) {
     if (candidate.triangle >= self.solid_count) {
@@ -317,13 +331,15 @@ ClosestPoint Caster::closest(const Vector3& point) const {
     if (candidate.distance > search.nearest_solid + search.tie) continue;
     const double height = self.normals[candidate.triangle].dot(point - candidate.closest_point);
     (height < 0 ? voted_inside : voted_outside) = true;
+    in_doubt = in_doubt || (self.sides && self.sides->doubtful[candidate.triangle] != 0);
   }
   if (solid == nullptr && sheet == nullptr) {
     throw BakeError(ExitCode::internal, "the surface has no triangle");
   }
   // At an edge or a corner triangles may disagree. Neither the nearest nor the one that faces the
   // point most is always right.
-  bool inside = voted_inside && voted_outside ? self.winding->at(point) > 0.5 : voted_inside;
+  const bool agreed = voted_inside != voted_outside && !in_doubt;
+  bool inside = agreed || !any_solid ? voted_inside : surrounds(point, search.nearest_solid);
   ClosestPoint result;
   if (solid != nullptr) {
     result.solid = inside ? -solid->distance : solid->distance;
@@ -345,6 +361,23 @@ ClosestPoint Caster::closest(const Vector3& point) const {
                          : self.normals[nearest->triangle];
   return result;
 }
+
+bool Caster::surrounds(const Vector3& point, double away) const {
+  if (winding(point) > 0.5) return true;
+  const Caster* all = whole();
+  const double gap = implementation_->gap;
+  if (all == nullptr || away <= 2 * gap) return false;
+  std::vector<std::uint32_t> near;
+  all->within(point, gap, near);
+  return std::any_of(near.begin(), near.end(), [&](std::uint32_t wall) {
+    const Vector3 beyond = 2 * gap * all->normal(wall);
+    return winding(point + beyond) > 0.5 && winding(point - beyond) > 0.5;
+  });
+}
+
+const Caster* Caster::whole() const { return implementation_->whole.get(); }
+
+double Caster::winding(const Vector3& point) const { return implementation_->winding->at(point); }
 
 void Caster::within(const Vector3& point, double radius,
                     std::vector<std::uint32_t>& triangles) const {

@@ -63,6 +63,15 @@ class Caster {
   /// The closest point of the surface.
   [[nodiscard]] ClosestPoint closest(const Vector3& point) const;
 
+  /// The winding number of what tells the side: of the solids' triangles, or of
+  /// OuterSurface::sides.
+  [[nodiscard]] double winding(const Vector3& point) const;
+  /// Whether that is at least 1, as far as it can be told from 0, or the point is in a gap between
+  /// parts. It is `away` from the solids, m.
+  [[nodiscard]] bool surrounds(const Vector3& point, double away) const;
+  /// Over OuterSurface::sides, where there are some.
+  [[nodiscard]] const Caster* whole() const;
+
   /// Triangles that have a point within `radius` metres of `point`, in ascending order.
   void within(const Vector3& point, double radius, std::vector<std::uint32_t>& triangles) const;
 

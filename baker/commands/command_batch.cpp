@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <filesystem>
+#include <functional>
 #include <iostream>
 #include <memory>
 
@@ -15,6 +16,7 @@
 #include "baker/batch/result_file.hpp"
 #include "baker/batch/scenes.hpp"
 #include "baker/batch/shards.hpp"
+#include "baker/build/build_request.hpp"
 #include "baker/cache/cached_build.hpp"
 #include "baker/commands/cache_options.hpp"
 #include "baker/commands/commands.hpp"
@@ -38,6 +40,7 @@ struct BatchSettings {
   std::string result;  ///< file to write; may be empty
   std::string page;    ///< the same, for the browser
   bool dry_run = false;
+  FailOn fail_on{};  ///< of every entry
   cli::GlobalOptions global;
 };
 
@@ -199,7 +202,12 @@ int run(const BatchSettings& settings) {
   cli::configure_messages(settings.global);
   const Result<Manifest> whole = read_manifest(settings.manifest);
   if (!whole) return cli::report(whole.error());
-  const Manifest manifest = part_of(*whole, settings.shard);
+  Manifest manifest = part_of(*whole, settings.shard);
+  for (ManifestEntry& entry : manifest.entries) {
+    FailOn& fail_on = entry.request.fail_on;
+    std::transform(fail_on.begin(), fail_on.end(), settings.fail_on.begin(), fail_on.begin(),
+                   std::logical_or<>());
+  }
   Result<std::optional<Cache>> cache = opened_cache(settings.cache);
   if (!cache) return cli::report(cache.error());
   if (settings.dry_run && !settings.page.empty()) {
@@ -274,6 +282,7 @@ Command add_batch_command(CLI::App& app) {
       },
       "begin no bake beside others that might exceed so much memory with them, such as 8GB",
       "SIZE");
+  add_fail_on(*command, settings->fail_on);
   add_cache_options(*command, settings->cache);
   cli::add_global_options(*command, settings->global);
   return {command, [settings] { return run(*settings); }};

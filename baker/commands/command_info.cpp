@@ -171,6 +171,7 @@ nlohmann::ordered_json to_json(const MappedAsset& asset, const std::vector<std::
       {"bbox_m", {{"min", vector_json(metadata.box_min)}, {"max", vector_json(metadata.box_max)}}},
       {"unit_m", metadata.mesh_unit},
       {"scale", metadata.scale}};
+  json["solid"] = Json::parse(metadata.solid, nullptr, false);
   if (view.full) {
     json["grid"] = {{"origin_m", vector_json(view.grid.origin)},
                     {"cell_m", view.grid.cell_size},
@@ -208,6 +209,16 @@ std::string certified(const AssetMetadata& metadata) {
   return text + "; directions are tried";
 }
 
+/// What was found in the mesh, and where.
+std::string found_text(const Json& found) {
+  const auto millimetres = [&found](std::size_t axis) {
+    return 1e3 * found["place_m"][axis].get<double>();
+  };
+  return fmt::format("found     {} One at ({:.6g}, {:.6g}, {:.6g}) mm.\n",
+                     found["what"].get<std::string>(), millimetres(0), millimetres(1),
+                     millimetres(2));
+}
+
 std::string describe(const MappedAsset& asset, const std::vector<std::string>& pictures) {
   const AssetMetadata& metadata = asset.metadata();
   const AssetView& view = asset.view();
@@ -232,6 +243,8 @@ std::string describe(const MappedAsset& asset, const std::vector<std::string>& p
       metadata.closed ? std::string("closed")
                       : fmt::format("open ({} border edges)", metadata.border_edges),
       length(metadata.diagonal), metadata.scale, metadata.mesh_sha256);
+  const Json solid = Json::parse(metadata.solid, nullptr, false);
+  for (const Json& found : solid.value("found", Json::array())) text += found_text(found);
   text += fmt::format("bytes     samples {}, grid {}, triangles {}, other {}\n", bytes.samples,
                       bytes.grid, bytes.triangles,
                       bytes.total - bytes.samples - bytes.grid - bytes.triangles);

@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 #include <limits>
+#include <optional>
 #include <span>
 
 #include "common/base/octant.hpp"
@@ -212,9 +213,12 @@ void NearestPart::meet(const LatticeTriangle& other, const Vector3& point) {
   triangle = &other;
 }
 
-bool NearestPart::is_inside(const Vector3& point) const {
-  return triangle != nullptr && spm::is_inside(triangle->sides, closest.feature,
-                                               triangle->normal.dot(point - closest.point));
+bool NearestPart::is_inside(const LatticeSurface& surface, const Vector3& point) const {
+  if (triangle == nullptr) return false;
+  const double along = along_normal(triangle->normal, point - closest.point);
+  const std::optional<bool> told = side_told(triangle->sides, closest.feature, along,
+                                             triangle->corners, closest.point, distance * distance);
+  return told ? *told : surface.caster->surrounds(point, distance);
 }
 
 bool is_middle_inside(const LatticeSurface& surface, const Candidates& candidates,
@@ -224,7 +228,7 @@ bool is_middle_inside(const LatticeSurface& surface, const Candidates& candidate
     if (candidate.distance - slack > nearest.distance) break;
     nearest.meet(surface.triangles[candidate.triangle], cube.middle);
   }
-  return nearest.is_inside(cube.middle);
+  return nearest.is_inside(surface, cube.middle);
 }
 
 }  // namespace spm::baker

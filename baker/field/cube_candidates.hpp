@@ -88,7 +88,8 @@ struct NearestPart {
   double distance = std::numeric_limits<double>::infinity();  ///< m
 
   void meet(const LatticeTriangle& other, const Vector3& point);
-  [[nodiscard]] bool is_inside(const Vector3& point) const;  ///< of the solids
+  /// Of the solids.
+  [[nodiscard]] bool is_inside(const LatticeSurface& surface, const Vector3& point) const;
 };
 
 /// Whether the middle of a cube is inside a solid, by the cube's candidates.

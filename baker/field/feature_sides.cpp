@@ -121,32 +121,22 @@ std::optional<Vector3> away_from(std::span<const Vector3> directions) {
   return edges.normalized();
 }
 
-/// The mean of all normals around, where they face nearly the same way.
-std::optional<Vector3> flat_normal(std::span<const Sector> around) {
+/// Whether all normals around face nearly the same way.
+bool is_flat(std::span<const Sector> around) {
   Vector3 axis = Vector3::Zero();
   for (const Sector& sector : around) axis += sector.angle * sector.normal;
-  if (!(axis.norm() > 0)) return std::nullopt;
+  if (!(axis.norm() > 0)) return false;
   axis.normalize();
-  const bool flat = std::all_of(around.begin(), around.end(), [&](const Sector& sector) {
+  return std::all_of(around.begin(), around.end(), [&](const Sector& sector) {
     return sector.normal == Vector3::Zero() || sector.normal.dot(axis) > flat_cosine;
   });
-  return flat ? std::optional(axis) : std::nullopt;
 }
-
-/// What tells the side at a part of a triangle.
-struct PartSide {
-  FeatureSide side = FeatureSide::by_normal;
-  /// false where the solid says nothing of a face, or places at a side or a corner are on both
-  /// sides, as where a sliver was folded by rounding
-  bool sure = true;
-};
 
 /// The triangles at each side and each corner.
 class Neighbours {
  public:
-  Neighbours(const OuterSurface& surface, const std::vector<bool>& folded, const AskedSolid& asked)
+  Neighbours(const OuterSurface& surface, const AskedSolid& asked)
       : surface_(surface),
-        folded_(folded),
         asked_(asked),
         sides_(surface.triangles),
         normals_(surface.triangles.size()),
@@ -169,17 +159,31 @@ class Neighbours {
       normals_[t] = length > 0 ? Vector3(cross / length) : Vector3::Zero();
       const Vector3 middle = (a + b + c) / 3;
       faces_[t] = across(middle, normals_[t], displacement_of(t));
+      // Walls that were moved so far may have passed each other anywhere.
+      if (asked_.displacement <= asked_.thin || faces_[t] != FeatureSide::by_normal) return;
+      for (const Vector3& place : places_of(t)) {
+        if (inside_at(place, normals_[t], displacement_of(t)) == true ||
+            inside_at(place, -normals_[t], displacement_of(t)) == false) {
+          faces_[t] = FeatureSide::by_crossings;
+        }
+      }
+    });
+    if (!surface.sides) return;
+    // Where the surface does not close, another face may lie on a part of one.
+    tbb::parallel_for(std::size_t{0}, surface.triangles.size(), [&](std::size_t t) {
+      if (is_covered(t)) faces_[t] = FeatureSide::by_crossings;
     });
   }
 
-  [[nodiscard]] PartSide at_face(std::uint32_t t) const { return faces_[t]; }
+  [[nodiscard]] FeatureSide at_face(std::uint32_t t) const { return faces_[t]; }
 
   /// Of a triangle's k-th side. Thin triangles that hang on one that is not are in nobody's way
   /// there.
-  [[nodiscard]] PartSide at_side(std::uint32_t triangle, std::size_t k) const {
+  [[nodiscard]] FeatureSide at_side(std::uint32_t triangle, std::size_t k) const {
     const std::uint32_t a = surface_.triangles[triangle][k],
                         b = surface_.triangles[triangle][(k + 1) % 3];
     const Vector3 along = (surface_.vertices[b] - surface_.vertices[a]).normalized();
+    if (!is_closed(triangle, k)) return FeatureSide::by_crossings;
     std::vector<Sector> around;
     std::vector<Vector3> directions;
     bool simple = is_paired(triangle, k);
@@ -200,7 +204,7 @@ class Neighbours {
     return side_of(around, directions, simple, middle, along);
   }
 
-  [[nodiscard]] PartSide at_corner(std::uint32_t vertex) const {
+  [[nodiscard]] FeatureSide at_corner(std::uint32_t vertex) const {
     std::vector<Sector> around;
     std::vector<Vector3> directions;
     bool simple = true;
@@ -210,6 +214,7 @@ class Neighbours {
       const Triangle& triangle = surface_.triangles[t];
       const auto k = static_cast<std::size_t>(std::find(triangle.begin(), triangle.end(), vertex) -
                                               triangle.begin());
+      if (!is_closed(t, k) || !is_closed(t, (k + 2) % 3)) return FeatureSide::by_crossings;
       const std::uint32_t next = triangle[(k + 1) % 3], last = triangle[(k + 2) % 3];
       const Vector3 to_next = surface_.vertices[next] - surface_.vertices[vertex];
       const Vector3 to_last = surface_.vertices[last] - surface_.vertices[vertex];
@@ -223,12 +228,11 @@ class Neighbours {
 
  private:
   const OuterSurface& surface_;
-  const std::vector<bool>& folded_;
   AskedSolid asked_;
   TriangleSides sides_;
   CubeBins corners_;  ///< the triangles of each vertex
   std::vector<Vector3> normals_;
-  std::vector<PartSide> faces_;
+  std::vector<FeatureSide> faces_;
   std::vector<char> thin_;  ///< so that their normals mean nothing
 
   /// m: between a triangle and the solid.
@@ -239,6 +243,44 @@ class Neighbours {
     double most = asked_.displacement;
     for (const Sector& sector : around) most = std::max(most, displacement_of(sector.triangle));
     return most;
+  }
+
+  /// Places of a face, none of them at its border.
+  [[nodiscard]] std::array<Vector3, 7> places_of(std::size_t t) const {
+    std::array<Vector3, 7> places;
+    const auto corner = [&](std::size_t k) {
+      return surface_.vertices[surface_.triangles[t][k % 3]];
+    };
+    places[6] = (corner(0) + corner(1) + corner(2)) / 3;
+    for (std::size_t k = 0; k < 3; ++k) {
+      places[k] = 0.9 * corner(k) + 0.1 * places[6];
+      places[3 + k] = 0.45 * (corner(k) + corner(k + 1)) + 0.1 * places[6];
+    }
+    return places;
+  }
+  [[nodiscard]] bool lies_on(std::size_t one, std::size_t other) const {
+    const Triangle& t = surface_.triangles[other];
+    const std::array<Vector3, 7> places = places_of(one);
+    return std::any_of(places.begin(), places.end(), [&](const Vector3& place) {
+      const Vector3 on = closest_on_triangle(place, surface_.vertices[t[0]],
+                                             surface_.vertices[t[1]], surface_.vertices[t[2]]);
+      return (on - place).norm() < surface_.sides->gap;
+    });
+  }
+  /// Whether another face, which faces the other way, lies on a part of one.
+  [[nodiscard]] bool is_covered(std::size_t t) const {
+    constexpr double opposite = -0.98;
+    const std::array<Vector3, 7> places = places_of(t);
+    double radius = surface_.sides->gap;
+    for (const std::uint32_t corner : surface_.triangles[t]) {
+      radius = std::max(radius, (surface_.vertices[corner] - places[6]).norm());
+    }
+    std::vector<std::uint32_t> near;
+    asked_.surface.within(places[6], radius, near);
+    return std::any_of(near.begin(), near.end(), [&](std::uint32_t other) {
+      return other != t && normals_[other].dot(normals_[t]) < opposite &&
+             (lies_on(t, other) || lies_on(other, t));
+    });
   }
 
   /// Whether places beside one on the surface, which is so far from the solid, are inside. Empty
@@ -263,15 +305,13 @@ class Neighbours {
   }
 
   /// A normal tells the side, but where its triangle is folded or was turned over by rounding.
-  [[nodiscard]] PartSide across(const Vector3& place, const Vector3& normal,
-                                double displacement) const {
+  [[nodiscard]] FeatureSide across(const Vector3& place, const Vector3& normal,
+                                   double displacement) const {
     const std::optional<bool> above = inside_at(place, normal, displacement),
                               below = inside_at(place, -normal, displacement);
-    if (!above && !below) return {FeatureSide::by_normal, false};
-    const bool first = above.value_or(!below.value_or(true));
-    const bool second = below.value_or(!first);
-    if (first != second) return {first ? FeatureSide::against_normal : FeatureSide::by_normal};
-    return {first ? FeatureSide::inside : FeatureSide::outside};
+    const bool told = above.has_value() || below.has_value();
+    return told && !above.value_or(false) && below.value_or(true) ? FeatureSide::by_normal
+                                                                  : FeatureSide::by_crossings;
   }
 
   /// Ways from a part to places that are nearest to it, also to those that are so by rounding.
@@ -289,44 +329,26 @@ class Neighbours {
     return ways;
   }
 
-  /// The side of places along most of these ways; nothing where something else is nearer in all.
-  [[nodiscard]] std::optional<PartSide> side_along(const Vector3& place,
-                                                   std::span<const Vector3> ways,
-                                                   double displacement) const {
-    int inside = 0, outside = 0;
-    for (const Vector3& way : ways) {
-      const std::optional<bool> is_there = inside_at(place, way, displacement);
-      if (is_there) ++(*is_there ? inside : outside);
-    }
-    if (inside + outside == 0) return std::nullopt;
-    return PartSide{inside > outside ? FeatureSide::inside : FeatureSide::outside,
-                    std::min(inside, outside) == 0};
-  }
-
-  [[nodiscard]] PartSide side_of(std::span<const Sector> around,
-                                 std::span<const Vector3> directions, bool simple,
-                                 const Vector3& place,
-                                 const Vector3& along = Vector3::Zero()) const {
-    const double displacement = displacement_of(around);
-    if (const auto normal = simple ? flat_normal(around) : std::nullopt) {
+  [[nodiscard]] FeatureSide side_of(std::span<const Sector> around,
+                                    std::span<const Vector3> directions, bool simple,
+                                    const Vector3& place,
+                                    const Vector3& along = Vector3::Zero()) const {
+    if (simple && is_flat(around)) {
       const bool plain = std::all_of(around.begin(), around.end(), [&](const Sector& sector) {
-        return faces_[sector.triangle].side == FeatureSide::by_normal;
+        return faces_[sector.triangle] == FeatureSide::by_normal;
       });
-      return {plain ? FeatureSide::by_normal : across(place, *normal, displacement).side};
+      return plain ? FeatureSide::by_normal : FeatureSide::by_crossings;
     }
-    const std::optional<Vector3> away = away_from(directions);
-    if (!away) {
-      // Nothing is nearest to it but by rounding. Of sheets that lie on each other no normal tells.
-      const auto on = std::find_if(around.begin(), around.end(),
-                                   [&](const Sector& sector) { return folded_[sector.triangle]; });
-      if (on != around.end()) return {at_face(on->triangle).side};
+    const double displacement = displacement_of(around);
+    bool inside = false, outside = false;
+    for (const Vector3& way : ways_from(away_from(directions), along, directions)) {
+      if (const auto is_there = inside_at(place, way, displacement)) {
+        (*is_there ? inside : outside) = true;
+      }
     }
-    const std::vector<Vector3> ways = ways_from(away, along, directions);
-    if (const auto side = side_along(place, ways, displacement)) return *side;
-    if (!away || around.size() == 1) return {FeatureSide::by_normal};
-    double sum = 0;
-    for (const Sector& sector : around) sum += sector.angle * sector.normal.dot(*away);
-    return {sum < 0 ? FeatureSide::inside : FeatureSide::outside};
+    // On both sides where a sliver was folded by rounding; on none where something else is nearer.
+    if (inside == outside) return FeatureSide::by_crossings;
+    return inside ? FeatureSide::inside : FeatureSide::outside;
   }
 
   [[nodiscard]] std::uint32_t other(std::uint32_t t, std::uint32_t a, std::uint32_t b) const {
@@ -334,6 +356,15 @@ class Neighbours {
       if (corner != a && corner != b) return corner;
     }
     return a;
+  }
+
+  /// Whether a side is passed as often one way as the other.
+  [[nodiscard]] bool is_closed(std::uint32_t triangle, std::size_t k) const {
+    const auto uses = sides_.uses(triangle, k);
+    const std::uint32_t first = from(uses[0]);
+    return 2 * std::count_if(uses.begin(), uses.end(),
+                             [&](std::uint32_t use) { return from(use) == first; }) ==
+           std::ssize(uses);
   }
 
   /// Two triangles that pass the side in opposite ways.
@@ -390,29 +421,21 @@ std::vector<bool> find_folded(const std::vector<Triangle>& triangles) {
   return folded;
 }
 
-std::vector<FeatureSides> find_feature_sides(const OuterSurface& surface,
-                                             const std::vector<bool>& folded,
-                                             const AskedSolid& asked) {
-  const Neighbours neighbours(surface, folded, asked);
-  std::vector<PartSide> corners(surface.vertices.size());
+std::vector<FeatureSides> find_feature_sides(const OuterSurface& surface, const AskedSolid& asked) {
+  const Neighbours neighbours(surface, asked);
+  std::vector<FeatureSide> corners(surface.vertices.size());
   tbb::parallel_for(std::size_t{0}, corners.size(), [&](std::size_t vertex) {
     corners[vertex] = neighbours.at_corner(static_cast<std::uint32_t>(vertex));
   });
   std::vector<FeatureSides> sides(surface.triangles.size(), 0);
   tbb::parallel_for(std::size_t{0}, sides.size(), [&](std::size_t number) {
     const auto t = static_cast<std::uint32_t>(number);
-    const PartSide face = neighbours.at_face(t);
-    // A part of which places are on both sides goes with its face.
-    const auto told = [&face](const PartSide& part) {
-      return part.sure || !face.sure ? part.side : face.side;
-    };
-    sides[t] = pack_side(TriangleFeature::face, face.side);
+    sides[t] = pack_side(TriangleFeature::face, neighbours.at_face(t));
     for (unsigned k = 0; k < 3; ++k) {
       const auto side = static_cast<TriangleFeature>(1 + k);
       const auto corner = static_cast<TriangleFeature>(4 + k);
-      sides[t] =
-          static_cast<FeatureSides>(sides[t] | pack_side(side, told(neighbours.at_side(t, k))) |
-                                    pack_side(corner, told(corners[surface.triangles[t][k]])));
+      sides[t] = static_cast<FeatureSides>(sides[t] | pack_side(side, neighbours.at_side(t, k)) |
+                                           pack_side(corner, corners[surface.triangles[t][k]]));
     }
   });
   return sides;

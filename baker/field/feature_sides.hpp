@@ -10,7 +10,7 @@
 
 namespace spm::baker {
 
-/// What tells the side where triangles lie on each other or do not close.
+/// What tells the side of places beside a surface.
 struct AskedSolid {
   const Caster& solid;
   const Caster& surface;    ///< over the surface itself
@@ -21,11 +21,9 @@ struct AskedSolid {
       moved{};  ///< m, by triangle: so much more is it from the solid's; or none
 };
 
-/// For each triangle of a surface, caps included, on which side places lie that are nearest to one
-/// of its parts. Exact where the surface is closed; sheets that only touch may do so in any way.
-/// `folded` is what find_folded says of the triangles.
+/// For each triangle of a surface, what tells the side of places that are nearest to one of its
+/// parts: by_crossings where the solid is not the same all around, or not to be asked.
 [[nodiscard]] std::vector<FeatureSides> find_feature_sides(const OuterSurface& surface,
-                                                           const std::vector<bool>& folded,
                                                            const AskedSolid& asked);
 
 /// For each triangle of a surface whether another one lies on it and faces the other way.

@@ -12,6 +12,7 @@
 #include "baker/field/sliver_removal.hpp"
 #include "baker/field/triangle_height.hpp"
 #include "common/field/indexed_triangles.hpp"
+#include "common/field/side_by_crossings.hpp"
 
 namespace spm::baker {
 
@@ -113,22 +114,49 @@ std::vector<LatticePoint> round_vertices(const OuterSurface& surface, LatticeSur
   return vertices;
 }
 
-void add_triangle(const LooseTriangle& loose, const std::vector<LatticePoint>& vertices,
-                  LatticeSurface& lattice) {
+LatticeTriangle triangle_of(const Triangle& corners, const std::vector<LatticePoint>& vertices,
+                            const LatticeSurface& lattice) {
   LatticeTriangle triangle;
-  triangle.sheet = loose.sheet;
-  triangle.bare = loose.bare;
   for (std::size_t k = 0; k < 3; ++k) {
-    triangle.steps[k] = vertices[loose.corners[k]];
+    triangle.steps[k] = vertices[corners[k]];
     triangle.corners[k] = place_of(triangle.steps[k], lattice.origin, lattice.step);
   }
   const auto& [a, b, c] = triangle.corners;
   const Vector3 cross = (b - a).cross(c - a);
   if (cross.norm() > 0) triangle.normal = cross.normalized();
+  return triangle;
+}
+
+void add_triangle(const LooseTriangle& loose, const std::vector<LatticePoint>& vertices,
+                  LatticeSurface& lattice) {
+  LatticeTriangle triangle = triangle_of(loose.corners, vertices, lattice);
+  triangle.sheet = loose.sheet;
+  triangle.bare = loose.bare;
   triangle.thin = needs_doubles(triangle.corners, lattice.step);
   lattice.surface.triangles.push_back(loose.corners);
   lattice.surface.solid_count += loose.sheet ? 0 : 1;
   lattice.triangles.push_back(triangle);
+}
+
+/// Rounds the surfaces that tell the side, where those that are felt do not close.
+void add_crossed(const ClosedSurfaces& sides, LatticeSurface& lattice) {
+  std::vector<LatticePoint> vertices;
+  ClosedSurfaces all;
+  for (const Vector3& vertex : sides.vertices) {
+    vertices.push_back(rounded(vertex, lattice.origin, lattice.step));
+    all.vertices.push_back(place_of(vertices.back(), lattice.origin, lattice.step));
+  }
+  for (const Triangle& corners : sides.triangles) {
+    LatticeTriangle triangle = triangle_of(corners, vertices, lattice);
+    if (triangle.normal == Vector3::Zero()) continue;
+    all.triangles.push_back(corners);
+    turn(triangle, shortest_side(triangle.corners));
+    lattice.crossed.push_back(triangle);
+  }
+  all.gap = gap_steps * lattice.step;
+  // Of these sides are asked by the winding number alone.
+  all.doubtful.assign(lattice.surface.solid_count, 0);
+  lattice.surface.sides = std::make_shared<ClosedSurfaces>(std::move(all));
 }
 
 }  // namespace
@@ -137,9 +165,12 @@ LatticeSurface round_to_lattice(const OuterSurface& surface, const Caster& caste
                                 const std::vector<bool>& bare, double tolerance) {
   LatticeSurface lattice;
   Vector3 low = Vector3::Constant(std::numeric_limits<double>::max()), high = -low;
-  for (const Vector3& vertex : surface.vertices) {
-    low = low.cwiseMin(vertex);
-    high = high.cwiseMax(vertex);
+  const std::vector<Vector3> none;
+  for (const auto* some : {&surface.vertices, surface.sides ? &surface.sides->vertices : &none}) {
+    for (const Vector3& vertex : *some) {
+      low = low.cwiseMin(vertex);
+      high = high.cwiseMax(vertex);
+    }
   }
   lattice.step = lattice_step(tolerance, (high - low).maxCoeff());
   for (int axis = 0; axis < 3; ++axis) {
@@ -170,6 +201,7 @@ LatticeSurface round_to_lattice(const OuterSurface& surface, const Caster& caste
     moved.clear();
   }
   for (const LooseTriangle& triangle : loose) add_triangle(triangle, vertices, lattice);
+  if (surface.sides) add_crossed(*surface.sides, lattice);
   lattice.sheet_thickness = caster.sheet_thickness();
   lattice.caster = std::make_unique<Caster>(lattice.surface, lattice.sheet_thickness);
   // Sides are those of solids, beside which sheets are in the way.
@@ -183,9 +215,8 @@ LatticeSurface round_to_lattice(const OuterSurface& surface, const Caster& caste
   const OuterSurface& solids = without_sheets ? *without_sheets : lattice.surface;
   const std::vector<bool> folded = find_folded(solids.triangles);
   const std::vector<FeatureSides> sides = find_feature_sides(
-      solids, folded,
-      {exact_solids ? *exact_solids : caster, rounded_solids ? *rounded_solids : *lattice.caster,
-       tolerance, still, thin, moved});
+      solids, {exact_solids ? *exact_solids : caster,
+               rounded_solids ? *rounded_solids : *lattice.caster, tolerance, still, thin, moved});
   for (std::size_t t = 0; t < lattice.triangles.size(); ++t) {
     LatticeTriangle& triangle = lattice.triangles[t];
     triangle.sides = triangle.sheet ? all_outside : sides[t];

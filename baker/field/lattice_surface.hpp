@@ -37,6 +37,13 @@ struct LatticeSurface {
   double displacement = 0;
   double sheet_thickness = 0;      ///< m; 0 where there are no sheets
   std::unique_ptr<Caster> caster;  ///< over `surface`
+  /// Where that does not close: the triangles of its OuterSurface::sides, for their crossings.
+  std::vector<LatticeTriangle> crossed;
+
+  /// The i-th of the triangles and, behind them, of those that are only crossed.
+  [[nodiscard]] const LatticeTriangle& any_triangle(std::size_t i) const noexcept {
+    return i < triangles.size() ? triangles[i] : crossed[i - triangles.size()];
+  }
 };
 
 /// `caster` is over the surface. `tolerance` in metres: the displacement is kept to a small share

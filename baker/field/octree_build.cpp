@@ -5,6 +5,7 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -12,6 +13,7 @@
 
 #include "baker/base/bake_error.hpp"
 #include "baker/base/progress_counter.hpp"
+#include "baker/field/cube_side.hpp"
 #include "baker/field/map_fit.hpp"
 #include "baker/field/map_proof.hpp"
 #include "baker/field/octree_node.hpp"
@@ -213,6 +215,31 @@ class Builder {
   }
 };
 
+/// Lists that the surface passes get places of known side.
+void add_known_places(const LatticeSurface& surface, OctreeRoots& roots) {
+  std::vector<OctreeNode*> lists;
+  const auto add = [&lists](OctreeNode& node, const auto& again) -> void {
+    if (node.octants) {
+      for (OctreeNode& octant : *node.octants) again(octant, again);
+    } else if (node.kind == OctreeKind::list && node.side == ListSide::surface &&
+               !node.solids.empty()) {
+      lists.push_back(&node);
+    }
+  };
+  for (OctreeNode& root : roots.nodes) add(root, add);
+  tbb::parallel_for(std::size_t{0}, lists.size(), [&](std::size_t i) {
+    OctreeNode& node = *lists[i];
+    std::vector<std::uint32_t> solids;
+    for (const ListedCandidate& listed : node.solids) solids.push_back(listed.triangle);
+    std::optional<CubeSide> side = find_cube_side(surface, node.cube, std::move(solids));
+    if (!side) return;
+    node.known = side->known;
+    if (!side->passing.empty() && side->passing.front() >= surface.triangles.size()) {
+      node.crossed = std::move(side->passing);
+    }
+  });
+}
+
 void add_short_lists(const Builder& builder, OctreeNode& node, std::vector<OctreeNode*>& found) {
   if (node.octants) {
     for (OctreeNode& octant : *node.octants) add_short_lists(builder, octant, found);
@@ -309,6 +336,7 @@ BuiltOctree build_octree(const LatticeSurface& surface, const Caster& caster,
   data.roots = roots.count;
   data.edge = std::ldexp(data.edge, joins);
   make_lists(surface, roots);
+  add_known_places(surface, roots);
   write_words(roots, surface, built);
   if (built.counts.polynomials + built.counts.pairs + built.counts.lists == 0) {
     throw BakeError(ExitCode::invalid_input,

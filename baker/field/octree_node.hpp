@@ -29,6 +29,8 @@ struct OctreeNode {
   std::vector<ListedCandidate> solids;  ///< triangles of a list
   std::vector<ListedCandidate> sheets;  ///< likewise
   ListSide side = ListSide::surface;    ///< of a list
+  std::optional<KnownPlace> known;      ///< of a list that the surface passes
+  std::vector<std::uint32_t> crossed;   ///< of such a list: numbers of LatticeSurface::any_triangle
   PruneRule rule = PruneRule::none;     ///< of a pruned cube
   std::unique_ptr<std::array<OctreeNode, 8>> octants;
   /// All that may be the nearest to some place of the cube, by number; nothing

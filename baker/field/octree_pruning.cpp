@@ -155,6 +155,7 @@ void mark_used(const OctreeNode& node, std::vector<bool>& used) {
     for (const auto* listed : {&node.solids, &node.sheets}) {
       for (const ListedCandidate& candidate : *listed) used[candidate.triangle] = true;
     }
+    for (const std::uint32_t triangle : node.crossed) used[triangle] = true;
   }
 }
 
@@ -183,8 +184,8 @@ double bytes_as_divided(const OctreeRoots& roots) {
 }
 
 std::vector<bool> used_triangles(const LatticeSurface& surface, const OctreeRoots& roots) {
-  std::vector<bool> used(surface.triangles.size(), false);
-  for (std::size_t i = 0; i < used.size(); ++i) used[i] = surface.triangles[i].bare;
+  std::vector<bool> used(surface.triangles.size() + surface.crossed.size(), false);
+  for (std::size_t i = 0; i < used.size(); ++i) used[i] = surface.any_triangle(i).bare;
   for (const OctreeNode& root : roots.nodes) mark_used(root, used);
   return used;
 }
@@ -196,7 +197,8 @@ double triangle_bytes(const LatticeSurface& surface, const OctreeRoots& roots) {
   for (std::size_t i = 0; i < used.size(); ++i) {
     if (!used[i]) continue;
     bytes += stored_triangle_bytes;
-    corners.insert(surface.triangles[i].steps.begin(), surface.triangles[i].steps.end());
+    const auto& steps = surface.any_triangle(i).steps;
+    corners.insert(steps.begin(), steps.end());
   }
   return static_cast<double>(bytes + stored_corner_bytes * corners.size());
 }

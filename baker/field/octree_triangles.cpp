@@ -8,6 +8,7 @@
 
 #include "baker/base/bake_error.hpp"
 #include "common/field/indexed_triangles.hpp"
+#include "common/field/triangle_list.hpp"
 
 namespace spm::baker {
 
@@ -25,7 +26,7 @@ void order(const LatticeSurface& surface, std::span<std::uint32_t> triangles) {
   if (triangles.size() <= close_together) return;
   Vector3 low = Vector3::Constant(std::numeric_limits<double>::max()), high = -low;
   for (const std::uint32_t triangle : triangles) {
-    const Vector3 middle = middle_of(surface.triangles[triangle]);
+    const Vector3 middle = middle_of(surface.any_triangle(triangle));
     low = low.cwiseMin(middle);
     high = high.cwiseMax(middle);
   }
@@ -34,8 +35,8 @@ void order(const LatticeSurface& surface, std::span<std::uint32_t> triangles) {
   const std::size_t half = triangles.size() / 2;
   std::nth_element(triangles.begin(), triangles.begin() + static_cast<std::ptrdiff_t>(half),
                    triangles.end(), [&](std::uint32_t a, std::uint32_t b) {
-                     const double x = middle_of(surface.triangles[a])[axis];
-                     const double y = middle_of(surface.triangles[b])[axis];
+                     const double x = middle_of(surface.any_triangle(a))[axis];
+                     const double y = middle_of(surface.any_triangle(b))[axis];
                      return x != y ? x < y : a < b;
                    });
   order(surface, triangles.first(half));
@@ -62,7 +63,7 @@ std::vector<std::uint32_t> write_triangles(const LatticeSurface& surface,
   std::vector<std::uint32_t> numbers(used.size(), not_stored);
   std::map<LatticePoint, std::uint32_t> corners;
   for (std::uint32_t number = 0; number < ordered.size(); ++number) {
-    const LatticeTriangle& triangle = surface.triangles[ordered[number]];
+    const LatticeTriangle& triangle = surface.any_triangle(ordered[number]);
     numbers[ordered[number]] = number;
     std::array<std::uint32_t, 3> of_triangle{};
     for (std::size_t k = 0; k < 3; ++k) {
@@ -72,14 +73,15 @@ std::vector<std::uint32_t> write_triangles(const LatticeSurface& surface,
       of_triangle[k] = found->second;
     }
     append(pack_three(of_triangle, triangle.thin), data.triangles);
-    data.sides[number / 2] |=
-        pack_traits({.sides = triangle.sides, .bare = triangle.bare, .sheet = triangle.sheet})
-        << 16U * (number % 2);
+    data.sides[number / 2] |= pack_traits({.sides = triangle.sides,
+                                           .bare = triangle.bare,
+                                           .crossed = ordered[number] >= surface.triangles.size()})
+                              << 16U * (number % 2);
   }
-  if (corners.size() > corner_mask) {
+  if (corners.size() > corner_mask || ordered.size() > list_first_mask) {
     throw BakeError(ExitCode::tolerance_not_met,
-                    "exact lists take more than 2 million corners of the mesh; take a coarser "
-                    "tolerance or fewer triangles");
+                    "exact lists take more than 2 million corners or 4 million triangles of the "
+                    "mesh; take a coarser tolerance or fewer triangles");
   }
   return numbers;
 }

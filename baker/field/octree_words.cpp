@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "baker/field/octree_words.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -108,9 +110,11 @@ class Writer {
 
   /// The words of a list (TriangleList).
   static std::vector<std::uint32_t> words_of(std::vector<Listed> solids, std::vector<Listed> sheets,
+                                             const std::vector<std::uint32_t>& crossed,
                                              std::uint32_t& word) {
     TriangleList list{.solids = static_cast<std::uint32_t>(solids.size()),
-                      .sheets = static_cast<std::uint32_t>(sheets.size())};
+                      .sheets = static_cast<std::uint32_t>(sheets.size()),
+                      .crossed = static_cast<std::uint32_t>(crossed.size())};
     // In the order of numbers more lists are the same.
     if (!list.has_bounds()) {
       for (auto* part : {&solids, &sheets}) {
@@ -126,10 +130,11 @@ class Writer {
         if (k % packet_size == 0) bounds.push_back((*part)[k].bound);
       }
     }
+    numbers.insert(numbers.end(), crossed.begin(), crossed.end());
     const auto [least, most] = std::minmax_element(numbers.begin(), numbers.end());
     list.wide = *most - *least > 0xFFFF;
     std::vector<std::uint32_t> words(list.word_count(), 0);
-    words[0] = *least;
+    words[0] = *least | list.crossed << list_first_bits;
     for (std::size_t k = 0; k < numbers.size(); ++k) {
       const std::uint32_t more = numbers[k] - *least;
       if (list.wide) words[1 + k] = more;
@@ -146,14 +151,17 @@ class Writer {
 
   std::uint32_t list_of(const OctreeNode& node, std::uint32_t& word) {
     if (std::max(node.solids.size(), node.sheets.size()) > max_listed_of_kind) {
-      throw BakeError(ExitCode::tolerance_not_met, "more than 16383 triangles meet in one place");
+      throw BakeError(ExitCode::tolerance_not_met,
+                      fmt::format("more than {} triangles meet in one place", max_listed_of_kind));
     }
+    std::vector<std::uint32_t> crossed;
+    for (const std::uint32_t triangle : node.crossed) crossed.push_back(numbers_[triangle]);
     const std::vector<std::uint32_t> words =
-        words_of(entries_of(node.solids), entries_of(node.sheets), word);
+        words_of(entries_of(node.solids), entries_of(node.sheets), crossed, word);
     const auto first = static_cast<std::uint32_t>(data_.lists.size());
     const auto [found, fresh] = known_.emplace(std::pair(word, words), first);
     if (fresh) data_.lists.insert(data_.lists.end(), words.begin(), words.end());
-    word |= list_word(0, 0, node.side, false);
+    word |= list_word(0, 0, node.side, false, node.known);
     built_.counts.listed_triangles += node.solids.size() + node.sheets.size();
     return found->second;
   }

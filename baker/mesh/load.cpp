@@ -108,6 +108,7 @@ Mesh load_mesh(const std::string& path, const LoadOptions& options) {
   mesh.sha256 = mesh_sha256(sha256_bytes(bytes), soup.companion_digests);
   mesh.notes = std::move(soup.notes);
   mesh.open_as = options.open_as;
+  mesh.unit_named = options.unit || soup.unit;
   mesh.unit = options.unit.value_or(soup.unit.value_or(1));
   scale_points(mesh.unit, soup.points);
   const Eigen::AlignedBox3d box = referenced_box(soup);

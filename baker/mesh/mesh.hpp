@@ -29,6 +29,41 @@ enum class OpenAs : std::uint8_t {
 /// The words of `--open`, in that order.
 inline constexpr std::array<const char*, 3> open_as_words{"auto", "solid", "sheet"};
 
+/// How often something was met, and a vertex at which it was, the first time.
+struct Counted {
+  std::uint64_t count = 0;
+  std::uint32_t vertex = 0;
+
+  void add(std::uint64_t more, std::uint32_t at) noexcept {
+    if (count == 0) vertex = at;
+    count += more;
+  }
+};
+
+/// What a mesh may have that somebody may not want.
+enum class FindingKind : std::uint8_t {
+  open,
+  nonmanifold,
+  selfintersecting,
+  sheets,
+  lids,
+  repaired
+};
+/// The words of `--fail-on`, in that order.
+inline constexpr std::array<const char*, 6> finding_words{
+    "open", "nonmanifold", "selfintersecting", "sheets", "lids", "repaired"};
+
+/// By FindingKind: whether a mesh that has it is refused.
+using FailOn = std::array<bool, finding_words.size()>;
+
+/// Something that was found in a mesh, or mended.
+struct MeshFinding {
+  FindingKind kind = FindingKind::repaired;
+  std::uint64_t count = 0;
+  std::string what;                 ///< a sentence for the user, the count its first word
+  Vector3 place = Vector3::Zero();  ///< of one of them, m
+};
+
 /// A mesh after loading, repair, unit and scale: in metres, in the asset's frame, by the rules of
 /// SOLID.md. Triangles of solids are closed, and their normals point out; then come those of
 /// sheets, which are felt from both sides.
@@ -37,9 +72,10 @@ struct Mesh {
   std::vector<Triangle> triangles;  ///< no index out of range, no zero area
   std::size_t sheet_triangles = 0;  ///< so many of them, the last, are of sheets
   std::string path;
-  std::string sha256;  ///< of the file's bytes; see mesh_sha256
-  double unit = 1;     ///< metres per unit of the file
-  double scale = 1;    ///< of --fit-diagonal
+  std::string sha256;       ///< of the file's bytes; see mesh_sha256
+  double unit = 1;          ///< metres per unit of the file
+  bool unit_named = false;  ///< by the file or by whoever loads it; else it is taken for 1
+  double scale = 1;         ///< of --fit-diagonal
   OpenAs open_as = OpenAs::automatic;
   Vector3 box_min = Vector3::Zero();
   Vector3 box_max = Vector3::Zero();
@@ -54,7 +90,8 @@ struct Mesh {
   std::uint64_t dropped_triangles = 0;    ///< zero area or duplicated
   std::uint64_t copies = 0;               ///< of these, that lay on another with the same corners
   std::uint64_t welded = 0;               ///< vertices of borders that became one with another
-  std::vector<std::string> notes;  ///< findings and assumptions, a sentence each, for the user
+  std::vector<MeshFinding> findings;      ///< of the rules of SOLID.md, in their order
+  std::vector<std::string> notes;  ///< these and other assumptions, a sentence each, for the user
   [[nodiscard]] bool closed() const noexcept { return sheet_triangles == 0; }
   [[nodiscard]] std::size_t solid_triangles() const noexcept {
     return triangles.size() - sheet_triangles;

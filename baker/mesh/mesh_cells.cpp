@@ -155,15 +155,15 @@ class Fan {
 
 }  // namespace
 
-std::size_t drop_inner_faces(std::span<const Vector3> points, std::vector<Triangle>& triangles) {
+Counted drop_inner_faces(std::span<const Vector3> points, std::vector<Triangle>& triangles) {
   const std::vector<HalfEdge> edges = sorted_edges(triangles);
   bool is_crowded = false;
   for_each_edge(
       edges, [&](std::span<const HalfEdge> users) { is_crowded = is_crowded || users.size() > 2; });
-  if (!is_crowded) return 0;
+  if (!is_crowded) return {};
   Groups parts(triangles.size());
   std::vector<char> divided = divided_parts(points, triangles, edges, parts);
-  if (std::count(divided.begin(), divided.end(), 1) == 0) return 0;
+  if (std::count(divided.begin(), divided.end(), 1) == 0) return {};
   Groups cells = cells_of(points, triangles, edges, parts, divided);
 
   // The outside of a part is what has its volume with the other sign.
@@ -186,6 +186,7 @@ std::size_t drop_inner_faces(std::span<const Vector3> points, std::vector<Triang
       if (!fresh && volumes[cell] < volumes[found->second]) found->second = cell;
     }
   }
+  Counted dropped;
   std::size_t kept = 0;
   for (std::uint32_t t = 0; t < triangles.size(); ++t) {
     Triangle triangle = triangles[t];
@@ -193,12 +194,14 @@ std::size_t drop_inner_faces(std::span<const Vector3> points, std::vector<Triang
       const std::uint32_t around = outside.at(parts.of(t));
       const bool reached_in_front = cells.of(front(t)) == around,
                  reached_behind = cells.of(back(t)) == around;
-      if (!reached_in_front && !reached_behind) continue;
+      if (!reached_in_front && !reached_behind) {
+        dropped.add(1, triangle[0]);
+        continue;
+      }
       if (!reached_in_front) std::swap(triangle[1], triangle[2]);
     }
     triangles[kept++] = triangle;
   }
-  const std::size_t dropped = triangles.size() - kept;
   triangles.resize(kept);
   return dropped;
 }

@@ -128,7 +128,7 @@ void keep_closing(const std::vector<Triangle>& triangles, const std::vector<std:
 
 }  // namespace
 
-std::size_t drop_duplicates(std::vector<Triangle>& triangles) {
+Counted drop_duplicates(std::vector<Triangle>& triangles) {
   Choice choice = choose(triangles);
   const bool two_sided = 4 * choice.walls.size() > triangles.size();
   if (two_sided) {
@@ -137,11 +137,15 @@ std::size_t drop_duplicates(std::vector<Triangle>& triangles) {
     keep_closing(triangles, choice.walls, choice.keep);
   }
   keep_closing(triangles, choice.extras, choice.keep);
+  Counted dropped;
   std::size_t kept = 0;
   for (std::size_t i = 0; i < triangles.size(); ++i) {
-    if (choice.keep[i] != 0) triangles[kept++] = triangles[i];
+    if (choice.keep[i] != 0) {
+      triangles[kept++] = triangles[i];
+    } else {
+      dropped.add(1, triangles[i][0]);
+    }
   }
-  const std::size_t dropped = triangles.size() - kept;
   triangles.resize(kept);
   return dropped;
 }

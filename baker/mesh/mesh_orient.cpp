@@ -45,7 +45,7 @@ class Patcher {
           Orientation& orientation)
       : triangles_(triangles), orientation_(orientation), neighbours_(triangles.size()) {
     for_each_edge(edges, [&](std::span<const HalfEdge> users) {
-      if (users.size() > 2) ++orientation_.nonmanifold_edges;
+      if (users.size() > 2) orientation_.nonmanifold_edges.add(1, users[0].low);
       if (users.size() != 2) return;
       const bool agree = users[0].forward != users[1].forward;
       neighbours_[users[0].triangle].push_back({users[1].triangle, agree});
@@ -64,12 +64,15 @@ class Patcher {
       seen[seed] = 1;
       std::uint64_t turns = 0;
       std::uint64_t conflicts = 0;
+      std::uint32_t in_conflict = 0;
       for (std::size_t next = 0; next < patch.triangles.size(); ++next) {
         const std::uint32_t from = patch.triangles[next];
         for (const auto& [to, agree] : neighbours_[from]) {
           const char wanted = static_cast<char>(agree ? turned[from] : 1 - turned[from]);
           if (seen[to] != 0) {
-            conflicts += turned[to] != wanted ? 1U : 0U;
+            if (turned[to] == wanted) continue;
+            ++conflicts;
+            in_conflict = triangles_[to][0];
             continue;
           }
           seen[to] = 1;
@@ -80,10 +83,11 @@ class Patcher {
       }
       const bool minority = 2 * turns <= patch.triangles.size();
       for (const std::uint32_t t : patch.triangles) {
-        if ((turned[t] != 0) == minority) turn(triangles_[t]);
+        if ((turned[t] != 0) != minority) continue;
+        turn(triangles_[t]);
+        orientation_.flipped.add(1, triangles_[t][0]);
       }
-      orientation_.flipped += minority ? turns : patch.triangles.size() - turns;
-      orientation_.unorientable += conflicts / 2;
+      if (conflicts > 1) orientation_.unorientable.add(conflicts / 2, in_conflict);
       std::sort(patch.triangles.begin(), patch.triangles.end());
       found.push_back(std::move(patch));
     }
@@ -220,7 +224,7 @@ class Turner {
   void turn_patch(std::size_t index, Orientation& orientation) {
     for (const std::uint32_t t : patches_[index].triangles) turn(triangles_[t]);
     patches_[index].volume = -patches_[index].volume;
-    ++orientation.inverted;
+    orientation.inverted.add(1, triangles_[patches_[index].triangles.front()][0]);
   }
 
   std::span<const Vector3> points_;
@@ -230,14 +234,14 @@ class Turner {
 };
 
 /// How many edges there are along which more triangles run in one direction than in the other.
-[[nodiscard]] std::uint64_t count_border_edges(const std::vector<Triangle>& triangles) {
-  std::uint64_t count = 0;
+[[nodiscard]] Counted count_border_edges(const std::vector<Triangle>& triangles) {
+  Counted border;
   for_each_edge(sorted_edges(triangles), [&](std::span<const HalfEdge> users) {
     const auto forward = std::count_if(users.begin(), users.end(),
                                        [](const HalfEdge& user) { return user.forward; });
-    count += 2 * forward != static_cast<std::ptrdiff_t>(users.size()) ? 1 : 0;
+    if (2 * forward != static_cast<std::ptrdiff_t>(users.size())) border.add(1, users[0].low);
   });
-  return count;
+  return border;
 }
 
 }  // namespace

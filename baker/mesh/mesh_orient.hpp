@@ -10,12 +10,12 @@
 namespace spm::baker {
 
 struct Orientation {
-  std::uint32_t components = 0;         ///< parts connected by edges
-  std::uint32_t inverted = 0;           ///< patches that were inside out
-  std::uint64_t flipped = 0;            ///< triangles that disagreed with their neighbours
-  std::uint64_t unorientable = 0;       ///< edges whose two triangles cannot agree
-  std::uint64_t nonmanifold_edges = 0;  ///< edges of more than two triangles
-  std::uint64_t border_edges = 0;       ///< edges that some triangle leaves open
+  std::uint32_t components = 0;  ///< parts connected by edges
+  Counted inverted;              ///< patches that were inside out
+  Counted flipped;               ///< triangles that disagreed with their neighbours
+  Counted unorientable;          ///< edges whose two triangles cannot agree
+  Counted nonmanifold_edges;     ///< edges of more than two triangles
+  Counted border_edges;          ///< edges that some triangle leaves open
 };
 
 /// Orients triangles in place so that their normals point out of the solid. Neighbours across an

@@ -41,6 +41,7 @@ class Reader : private GltfAccessors {
     soup_.triangles.reserve(triangles_);
     add_all();
     soup_.companion_digests = std::move(file_.companion_digests);
+    soup_.unit = 1;  // by the format
     add_notes();
     return std::move(soup_);
   }

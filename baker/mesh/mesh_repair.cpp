@@ -51,15 +51,24 @@ std::size_t merge_equal_points(PolygonSoup& soup) {
   return merged;
 }
 
-std::size_t drop_repeated_corners(std::vector<Triangle>& triangles) {
-  return std::erase_if(
-      triangles, [](const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; });
+template <class IsFlat>
+void drop_flat(std::vector<Triangle>& triangles, Counted& dropped, const IsFlat& is_flat) {
+  std::erase_if(triangles, [&](const Triangle& t) {
+    const bool flat = is_flat(t);
+    if (flat) dropped.add(1, t[0]);
+    return flat;
+  });
 }
 
-std::size_t drop_zero_area(const std::vector<Vector3>& points, std::vector<Triangle>& triangles) {
-  return std::erase_if(triangles, [&](const Triangle& t) {
-    return collinear(points[t[0]], points[t[1]], points[t[2]]);
-  });
+void drop_repeated_corners(std::vector<Triangle>& triangles, Counted& dropped) {
+  drop_flat(triangles, dropped,
+            [](const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; });
+}
+
+void drop_zero_area(const std::vector<Vector3>& points, std::vector<Triangle>& triangles,
+                    Counted& dropped) {
+  drop_flat(triangles, dropped,
+            [&](const Triangle& t) { return collinear(points[t[0]], points[t[1]], points[t[2]]); });
 }
 
 /// Keeps the referenced points in their order and renumbers triangles.
@@ -87,32 +96,65 @@ void compact(const std::vector<Vector3>& points, Mesh& mesh) {
   return box.isEmpty() ? 0 : box.diagonal().norm();
 }
 
-void describe(std::size_t merged, const Seams& seams, std::size_t inner,
-              const Orientation& orientation, Mesh& mesh) {
+/// What the rules found and changed.
+struct Changes {
+  std::size_t merged = 0;
+  Seams seams;
+  Counted dropped;  ///< without area, or copies
+  Counted inner;
+  Orientation orientation;
+
+  /// The edges of the file's surface that are open.
+  [[nodiscard]] const Counted& border() const {
+    const bool seamless = seams.welded.count == 0 && seams.split.count == 0;
+    return seamless ? orientation.border_edges : seams.border_edges;
+  }
+};
+
+void describe(const std::vector<Vector3>& points, const Changes& changes, Mesh& mesh) {
   const auto note = [&mesh](std::uint64_t count, const char* one, const char* many,
                             const char* what) {
-    if (count == 0) return;
     mesh.notes.push_back(std::to_string(count) + " " + (count == 1 ? one : many) + what);
   };
-  note(merged, "vertex", "vertices", " merged with another at the same place.");
-  note(seams.welded, "vertex", "vertices",
-       " of the border welded to others within a millionth of the diagonal.");
-  note(seams.split, "triangle", "triangles",
-       " divided at vertices of others that lie on their edges.");
-  note(mesh.dropped_triangles, "triangle", "triangles",
-       " dropped that had no area or lay on another with the same corners.");
-  note(inner, "triangle", "triangles",
-       " dropped that only divide a part's inside, where nothing reaches them.");
-  note(orientation.flipped, "triangle", "triangles", " reversed to agree with the neighbours.");
-  note(orientation.inverted, "part that was", "parts that were",
-       " inside out turned, so that normals point out of the solid.");
-  note(orientation.unorientable, "edge joins", "edges join",
-       " triangles that cannot agree on an outside (a one-sided strip).");
-  note(orientation.nonmanifold_edges, "edge is", "edges are",
-       " shared by more than two triangles.");
-  note(mesh.lids.size(), "small hole", "small holes",
+  const auto find = [&](FindingKind kind, std::uint64_t count, const Vector3& place,
+                        const char* one, const char* many, const char* what) {
+    if (count == 0) return;
+    note(count, one, many, what);
+    mesh.findings.push_back({kind, count, mesh.notes.back(), place});
+  };
+  const auto mended = [&](const Counted& counted, const char* one, const char* many,
+                          const char* what, FindingKind kind = FindingKind::repaired) {
+    find(kind, counted.count, points[counted.vertex], one, many, what);
+  };
+  if (changes.merged > 0) {
+    note(changes.merged, "vertex", "vertices", " merged with another at the same place.");
+  }
+  mended(changes.seams.welded, "vertex", "vertices",
+         " of the border welded to others within a millionth of the diagonal.");
+  mended(changes.seams.split, "triangle", "triangles",
+         " divided at vertices of others that lie on their edges.");
+  mended(changes.dropped, "triangle", "triangles",
+         " dropped that had no area or lay on another with the same corners.");
+  mended(changes.inner, "triangle", "triangles",
+         " dropped that only divide a part's inside, where nothing reaches them.");
+  const Orientation& orientation = changes.orientation;
+  mended(orientation.flipped, "triangle", "triangles", " reversed to agree with the neighbours.");
+  mended(orientation.inverted, "part that was", "parts that were",
+         " inside out turned, so that normals point out of the solid.");
+  mended(orientation.unorientable, "edge joins", "edges join",
+         " triangles that cannot agree on an outside (a one-sided strip).",
+         FindingKind::nonmanifold);
+  mended(orientation.nonmanifold_edges, "edge is", "edges are",
+         " shared by more than two triangles.", FindingKind::nonmanifold);
+  mended(changes.border(), "edge is", "edges are", " open: no triangle continues beyond.",
+         FindingKind::open);
+  find(FindingKind::lids, mesh.lids.size(),
+       mesh.lids.empty() ? Vector3::Zero() : mesh.lids.front().middle, "small hole", "small holes",
        " closed by a lid, which is felt like the rest of the surface.");
-  note(mesh.sheets, "part is open and taken for a sheet, which is",
+  const Triangle* sheet =
+      mesh.sheet_triangles > 0 ? &mesh.triangles[mesh.solid_triangles()] : nullptr;
+  find(FindingKind::sheets, mesh.sheets, sheet != nullptr ? points[(*sheet)[0]] : Vector3::Zero(),
+       "part is open and taken for a sheet, which is",
        "parts are open and taken for sheets, which are", " felt from both sides.");
 }
 
@@ -125,36 +167,38 @@ bool collinear(const Vector3& a, const Vector3& b, const Vector3& c) {
 void repair(PolygonSoup soup, Mesh& mesh) {
   mesh.file_vertices = soup.points.size();
   mesh.file_triangles = soup.triangles.size();
-  const std::size_t merged = merge_equal_points(soup);
-  mesh.dropped_triangles = drop_repeated_corners(soup.triangles);
-  const Seams seams = join_seams(soup.points, seam_share * extent_of(soup), soup.triangles);
-  mesh.welded = seams.welded;
-  mesh.copies = drop_duplicates(soup.triangles);
-  mesh.dropped_triangles += mesh.copies;
-  const std::size_t inner = drop_inner_faces(soup.points, soup.triangles);
+  Changes changes;
+  changes.merged = merge_equal_points(soup);
+  drop_repeated_corners(soup.triangles, changes.dropped);
+  changes.seams = join_seams(soup.points, seam_share * extent_of(soup), soup.triangles);
+  const Counted copies = drop_duplicates(soup.triangles);
+  changes.dropped.add(copies.count, copies.vertex);
+  changes.inner = drop_inner_faces(soup.points, soup.triangles);
   // Triangles without area are dropped last: until then they connect their neighbours.
-  Orientation orientation = orient(soup.points, soup.triangles);
+  Orientation& orientation = changes.orientation = orient(soup.points, soup.triangles);
   const Lids lids = add_lids(soup.points, mesh.open_as, soup.triangles);
   std::vector<Triangle> sheets;
   for (std::size_t t = 0; t < soup.triangles.size(); ++t) {
     (lids.sheet[t] != 0 ? sheets : mesh.triangles).push_back(soup.triangles[t]);
   }
   if (!lids.holes.empty()) {
-    const Orientation closed = orient(soup.points, mesh.triangles);
-    orientation.inverted += closed.inverted;
+    const Counted inverted = orient(soup.points, mesh.triangles).inverted;
+    orientation.inverted.add(inverted.count, inverted.vertex);
   }
-  mesh.dropped_triangles += drop_zero_area(soup.points, mesh.triangles);
-  mesh.dropped_triangles += drop_zero_area(soup.points, sheets);
+  drop_zero_area(soup.points, mesh.triangles, changes.dropped);
+  drop_zero_area(soup.points, sheets, changes.dropped);
   mesh.sheet_triangles = sheets.size();
   mesh.triangles.insert(mesh.triangles.end(), sheets.begin(), sheets.end());
   mesh.components = orientation.components;
-  mesh.inverted_components = orientation.inverted;
+  mesh.inverted_components = static_cast<std::uint32_t>(orientation.inverted.count);
+  mesh.dropped_triangles = changes.dropped.count;
+  mesh.copies = copies.count;
+  mesh.welded = changes.seams.welded.count;
+  mesh.border_edges = changes.border().count;
   mesh.lids = lids.holes;
   mesh.sheets = lids.sheets;
+  if (!mesh.triangles.empty()) describe(soup.points, changes, mesh);
   compact(soup.points, mesh);
-  const bool seamless = seams.welded == 0 && seams.split == 0;
-  mesh.border_edges = seamless ? orientation.border_edges : seams.border_edges;
-  describe(merged, seams, inner, orientation, mesh);
 }
 
 }  // namespace spm::baker

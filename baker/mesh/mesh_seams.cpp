@@ -32,8 +32,8 @@ constexpr int most_rounds = 64;
   return vertices;
 }
 
-std::size_t weld(const std::vector<Vector3>& points, double distance,
-                 const std::vector<HalfEdge>& border, std::vector<Triangle>& triangles) {
+Counted weld(const std::vector<Vector3>& points, double distance,
+             const std::vector<HalfEdge>& border, std::vector<Triangle>& triangles) {
   const std::vector<std::uint32_t> vertices = vertices_of(border);
   std::vector<Vector3> places;
   for (const std::uint32_t vertex : vertices) places.push_back(points[vertex]);
@@ -42,13 +42,13 @@ std::size_t weld(const std::vector<Vector3>& points, double distance,
   for (std::size_t i = 0; i < joined.size(); ++i) {
     if (joined[i] != i) first[vertices[i]] = vertices[joined[i]];
   }
-  if (first.empty()) return 0;
+  if (first.empty()) return {};
   for (Triangle& triangle : triangles) {
     for (std::uint32_t& corner : triangle) {
       if (const auto found = first.find(corner); found != first.end()) corner = found->second;
     }
   }
-  return first.size();
+  return {first.size(), first.begin()->first};
 }
 
 /// Vertices by place, to be found near an edge.
@@ -90,13 +90,13 @@ class BorderVertices {
   std::vector<std::uint32_t> vertices_;
 };
 
-/// Divides triangles along one border edge each; returns how many.
-std::size_t split_once(const std::vector<Vector3>& points, double distance,
-                       std::vector<Triangle>& triangles) {
+/// Divides triangles along one border edge each; returns how many, and a vertex that did.
+Counted split_once(const std::vector<Vector3>& points, double distance,
+                   std::vector<Triangle>& triangles) {
   const std::vector<HalfEdge> border = border_edges(triangles);
   const BorderVertices vertices(points, vertices_of(border));
   std::vector<char> divided(triangles.size(), 0);
-  std::size_t count = 0;
+  Counted split;
   for (const HalfEdge& edge : border) {
     if (divided[edge.triangle] != 0) continue;
     Triangle triangle = triangles[edge.triangle];
@@ -108,13 +108,13 @@ std::size_t split_once(const std::vector<Vector3>& points, double distance,
     if (between.empty() || std::find(between.begin(), between.end(), tip) != between.end())
       continue;
     divided[edge.triangle] = 1;
-    ++count;
+    split.add(1, between.front());
     triangles[edge.triangle] = {from, between.front(), tip};
     for (std::size_t i = 0; i < between.size(); ++i) {
       triangles.push_back({between[i], i + 1 < between.size() ? between[i + 1] : to, tip});
     }
   }
-  return count;
+  return split;
 }
 
 }  // namespace
@@ -123,17 +123,17 @@ Seams join_seams(const std::vector<Vector3>& points, double distance,
                  std::vector<Triangle>& triangles) {
   Seams seams;
   const std::vector<HalfEdge> border = border_edges(triangles);
-  seams.border_edges = border.size();
   if (border.empty()) return seams;
+  seams.border_edges = {border.size(), border.front().low};
   seams.welded = weld(points, distance, border, triangles);
-  if (seams.welded > 0) {
+  if (seams.welded.count > 0) {
     std::erase_if(triangles,
                   [](const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; });
   }
   for (int round = 0; round < most_rounds; ++round) {
-    const std::size_t split = split_once(points, distance, triangles);
-    if (split == 0) break;
-    seams.split += split;
+    const Counted split = split_once(points, distance, triangles);
+    if (split.count == 0) break;
+    seams.split.add(split.count, split.vertex);
   }
   return seams;
 }

@@ -10,9 +10,9 @@ namespace spm::baker {
 
 /// What was joined along the borders of a mesh.
 struct Seams {
-  std::size_t border_edges = 0;  ///< that there were before
-  std::size_t welded = 0;        ///< vertices that became one with another
-  std::size_t split = 0;         ///< triangles that vertices of others on their edges divided
+  Counted border_edges;  ///< that there were before
+  Counted welded;        ///< vertices that became one with another
+  Counted split;         ///< triangles that vertices of others on their edges divided
 };
 
 /// Joins what only rounding holds apart along borders: vertices of border edges within `distance`,

@@ -40,6 +40,7 @@ struct BakeReport {
   StageTimes stages;
   std::vector<Pruned> pruned;
   std::vector<Hole> lids;  ///< holes closed by triangles that are felt, largest first
+  std::vector<MeshFinding> found_in_surface;  ///< where parts of the mesh cross
   std::optional<SmoothReport> smooth;
   std::vector<std::string> notes;  ///< assumptions, a sentence each, for the user
 };

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "baker/pipeline/bake.hpp"
 
+#include <fmt/format.h>
 #include <tbb/global_control.h>
 #include <tbb/info.h>
 
@@ -161,11 +162,37 @@ void add_notes(const Mesh& mesh, const OuterSurface& surface, const CastCounts& 
     report.notes.push_back(std::to_string(surface.hidden) +
                            " pieces of surface lie inside other parts and were left out");
   }
+  if (surface.intersecting.count > 0) {
+    MeshFinding& finding = report.found_in_surface.emplace_back();
+    finding = {
+        FindingKind::selfintersecting, surface.intersecting.count,
+        fmt::format("{} triangles cross others, and were cut there.", surface.intersecting.count),
+        mesh.vertices[surface.intersecting.vertex]};
+    report.notes.push_back(finding.what);
+  }
   if (counts.inconsistent > 0) {
     report.notes.push_back(
         std::to_string(counts.inconsistent) + " of " + std::to_string(counts.rays) +
         " rays met entries and exits that do not alternate; their samples are marked");
   }
+}
+
+/// What the parts of the mesh were taken for, and what was found in it.
+std::string solid_json(const Mesh& mesh, const BakeReport& report) {
+  nlohmann::ordered_json json = {
+      {"parts", mesh.components}, {"sheets", mesh.sheets},
+      {"lids", mesh.lids.size()}, {"welded", mesh.welded},
+      {"copies", mesh.copies},    {"found", nlohmann::ordered_json::array()}};
+  for (const auto* findings : {&mesh.findings, &report.found_in_surface}) {
+    for (const MeshFinding& finding : *findings) {
+      json["found"].push_back(
+          {{"kind", finding_words[static_cast<std::size_t>(finding.kind)]},
+           {"count", finding.count},
+           {"what", finding.what},
+           {"place_m", {finding.place.x(), finding.place.y(), finding.place.z()}}});
+    }
+  }
+  return json.dump();
 }
 
 }  // namespace
@@ -212,7 +239,8 @@ BakeResult bake(const Mesh& mesh, const BakeOptions& options, const Progress& pr
   }
   result.report.rays = counts.rays;
   result.report.lids = mesh.lids;
-  add_notes(mesh, surface, counts, result.report);
+  add_notes(solid, surface, counts, result.report);
+  asset.metadata.solid = solid_json(mesh, result.report);
   asset.metadata.layers_max = counts.layers_max;
   asset.metadata.inconsistent_samples =
       counts.rays > 0 ? static_cast<double>(counts.inconsistent) / static_cast<double>(counts.rays)

@@ -2,10 +2,14 @@
 #include "baker/surface/outer_surface.hpp"
 
 #include <tbb/parallel_for.h>
+#include <tbb/parallel_sort.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
+#include <memory>
+#include <numeric>
 #include <span>
 #include <utility>
 
@@ -13,6 +17,7 @@
 #include "baker/mesh/winding_number.hpp"
 #include "baker/surface/self_intersection.hpp"
 #include "baker/surface/triangle_split.hpp"
+#include "common/surface/closest_on_triangle.hpp"
 
 namespace spm::baker {
 namespace {
@@ -34,6 +39,13 @@ namespace {
     if ((points[t[(k + 1) % 3]] - from).cross(point - from).dot(normal) < 0) return false;
   }
   return true;
+}
+
+/// Whether a triangle is no higher than a distance, m.
+[[nodiscard]] bool is_lower(std::span<const Vector3> points, const Triangle& t, double height) {
+  const Vector3 &a = points[t[0]], &b = points[t[1]], &c = points[t[2]];
+  const double longest = std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()});
+  return twice_area(points, t).norm() <= height * longest;
 }
 
 /// Decides for each piece whether it is felt.
@@ -67,12 +79,13 @@ class Judge {
     const double width = std::sqrt(size);
     const double offset =
         std::clamp(1e-3 * width, kNearest * mesh_.diagonal, kFarthest * mesh_.diagonal);
-    const Vector3 step = offset / size * twice;
+    // A sheet that lies on a solid, or within a narrow gap of it, is none.
+    const Vector3 step = (sheet ? std::max(offset, narrow_) : offset) / size * twice;
     const double outside = winding_.at(middle + step);
     if (sheet) return outside < 0.5 && winding_.at(middle - step) < 0.5;
     // Across a single layer the winding number steps by one.
-    const double inside =
-        overlaps(split_.parents[piece]) ? winding_.at(middle - step) : outside + 1;
+    const bool single = is_whole(piece) && !overlaps(split_.parents[piece]);
+    const double inside = single ? outside + 1 : winding_.at(middle - step);
     return inside >= 0.5 && outside < 0.5 && !closed_gap(piece, middle, twice / size);
   }
 
@@ -83,9 +96,27 @@ class Judge {
     const std::uint32_t parent = split_.parents[piece];
     const auto partners = partners_of(split_.facing, parent);
     const bool faced = std::any_of(partners.begin(), partners.end(), [&](const TrianglePair& pair) {
-      return covers(mesh_.vertices, mesh_.triangles[pair.second], middle);
+      if (pair.second >= mesh_.solid_triangles()) return false;
+      const Triangle& t = mesh_.triangles[pair.second];
+      const Vector3 closest = closest_on_triangle(middle, mesh_.vertices[t[0]],
+                                                  mesh_.vertices[t[1]], mesh_.vertices[t[2]]);
+      return (closest - middle).norm() <= 2 * narrow_;
     });
-    return faced && winding_.at(middle + narrow_ * normal) >= 0.5;
+    if (!faced && !is_low(piece)) return false;
+    // Also where there is another such gap behind the next wall.
+    constexpr std::array<double, 3> shares{1, 0.25, 0.0625};
+    return std::any_of(shares.begin(), shares.end(), [&](double share) {
+      return winding_.at(middle + share * narrow_ * normal) >= 0.5;
+    });
+  }
+
+  /// Whether a piece is a sliver that is left of a triangle where parts cross.
+  [[nodiscard]] bool is_low(std::size_t piece) const {
+    return !is_whole(piece) && is_lower(split_.points, split_.pieces[piece], narrow_);
+  }
+  /// Whether a triangle was not cut.
+  [[nodiscard]] bool is_whole(std::size_t piece) const {
+    return split_.pieces[piece] == mesh_.triangles[split_.parents[piece]];
   }
 
   /// Those of sorted pairs of which a triangle is the first.
@@ -128,18 +159,91 @@ class Judge {
 /// this leaves without area: where surfaces cross at next to no angle, rounding leaves hairs.
 constexpr double kHair = 1e-7;
 
-void drop_hairs(const Mesh& mesh, OuterSurface& surface) {
+template <class IsGone>
+void drop(OuterSurface& surface, std::vector<std::uint32_t>& parents, const IsGone& is_gone) {
+  std::size_t kept = 0, solids = 0;
+  for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
+    if (is_gone(surface.triangles[t])) continue;
+    solids += t < surface.solid_count ? 1 : 0;
+    surface.triangles[kept] = surface.triangles[t];
+    parents[kept++] = parents[t];
+  }
+  surface.triangles.resize(kept);
+  parents.resize(kept);
+  surface.solid_count = solids;
+}
+
+void join_hairs(const Mesh& mesh, OuterSurface& surface, std::vector<std::uint32_t>& parents) {
   const std::vector<std::uint32_t> joined = join_vertices(surface.vertices, kHair * mesh.diagonal);
-  const auto is_flat = [](const Triangle& t) {
-    return t[0] == t[1] || t[1] == t[2] || t[2] == t[0];
-  };
   for (Triangle& triangle : surface.triangles) {
     for (std::uint32_t& corner : triangle) corner = joined[corner];
   }
-  const auto sheets = surface.triangles.begin() + static_cast<std::ptrdiff_t>(surface.solid_count);
-  surface.solid_count -=
-      static_cast<std::size_t>(std::count_if(surface.triangles.begin(), sheets, is_flat));
-  std::erase_if(surface.triangles, is_flat);
+  drop(surface, parents,
+       [](const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; });
+}
+
+/// Drops hairs that are longer: alone they may reach into the solid.
+void drop_hairs(const Mesh& mesh, OuterSurface& surface, std::vector<std::uint32_t>& parents) {
+  drop(surface, parents,
+       [&](const Triangle& t) { return is_lower(surface.vertices, t, kHair * mesh.diagonal); });
+}
+
+/// The vertices of sides that the solids' triangles pass more often one way than the other, where
+/// vertices within a distance, m, are one.
+[[nodiscard]] std::vector<std::uint32_t> open_vertices(const OuterSurface& surface,
+                                                       double distance) {
+  std::vector<std::uint32_t> joined(surface.vertices.size());
+  std::iota(joined.begin(), joined.end(), 0U);
+  if (distance > 0) joined = join_vertices(surface.vertices, distance);
+  std::vector<std::pair<std::uint64_t, int>> sides;
+  sides.reserve(3 * surface.solid_count);
+  for (std::size_t t = 0; t < surface.solid_count; ++t) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::uint32_t from = joined[surface.triangles[t][k]],
+                          to = joined[surface.triangles[t][(k + 1) % 3]];
+      if (from == to) continue;
+      const auto [low, high] = std::minmax(from, to);
+      sides.emplace_back(std::uint64_t{low} << 32U | high, low == from ? 1 : -1);
+    }
+  }
+  tbb::parallel_sort(sides);
+  std::vector<std::uint32_t> open;
+  for (auto first = sides.begin(); first != sides.end();) {
+    int balance = 0;
+    auto last = first;
+    for (; last != sides.end() && last->first == first->first; ++last) balance += last->second;
+    if (balance != 0) {
+      open.push_back(static_cast<std::uint32_t>(first->first >> 32U));
+      open.push_back(static_cast<std::uint32_t>(first->first));
+    }
+    first = last;
+  }
+  return open;
+}
+
+/// Keeps all of the mesh's solids to tell sides, and says beside which triangles they must: those
+/// at open sides, and those that others lie along.
+void keep_sides(const Mesh& mesh, double narrow, const SplitMesh& split,
+                const std::vector<std::uint32_t>& parents, OuterSurface& surface) {
+  std::vector<char> open(surface.vertices.size(), 0);
+  for (const std::uint32_t vertex : open_vertices(surface, 0)) open[vertex] = 1;
+  std::vector<char> along(mesh.triangles.size(), 0);
+  for (const auto* pairs : {&split.facing, &split.coplanar}) {
+    for (const TrianglePair& pair : *pairs) along[pair.first] = 1;
+  }
+  auto sides = std::make_shared<ClosedSurfaces>();
+  sides->vertices = mesh.vertices;
+  sides->triangles.assign(
+      mesh.triangles.begin(),
+      mesh.triangles.begin() + static_cast<std::ptrdiff_t>(mesh.solid_triangles()));
+  sides->gap = 1.5 * narrow;
+  for (std::size_t t = 0; t < surface.solid_count; ++t) {
+    const Triangle& corners = surface.triangles[t];
+    const bool at_open = std::any_of(corners.begin(), corners.end(),
+                                     [&](std::uint32_t corner) { return open[corner] != 0; });
+    sides->doubtful.push_back(at_open || along[parents[t]] != 0 ? 1 : 0);
+  }
+  surface.sides = std::move(sides);
 }
 
 /// Keeps the vertices that triangles refer to.
@@ -165,12 +269,10 @@ void compact(OuterSurface& surface) {
 
 OuterSurface outer_surface(const Mesh& mesh, double narrow) {
   OuterSurface surface;
-  MeetingPairs pairs = meeting_pairs(mesh.vertices, mesh.triangles, narrow);
+  MeetingPairs pairs = meeting_pairs(mesh.vertices, mesh.triangles, narrow, mesh.solid_triangles());
   // Sheets may cross one another as they are.
   std::erase_if(pairs.crossing,
                 [&](const TrianglePair& pair) { return pair.first >= mesh.solid_triangles(); });
-  std::erase_if(pairs.facing,
-                [&](const TrianglePair& pair) { return pair.second >= mesh.solid_triangles(); });
   if (pairs.crossing.empty() && pairs.facing.empty() && mesh.closed() && mesh.components == 1) {
     surface.vertices = mesh.vertices;
     surface.triangles = mesh.triangles;
@@ -180,17 +282,25 @@ OuterSurface outer_surface(const Mesh& mesh, double narrow) {
   SplitMesh split = split_triangles(mesh.vertices, mesh.triangles, pairs);
   const std::vector<char> kept = Judge(mesh, split, narrow).felt_pieces();
   surface.vertices = split.points;
+  std::vector<std::uint32_t> parents;
   surface.intersecting = split.split;
   for (std::size_t piece = 0; piece < kept.size(); ++piece) {
     if (kept[piece] != 0) {
       surface.triangles.push_back(split.pieces[piece]);
+      parents.push_back(split.parents[piece]);
       surface.solid_count += split.parents[piece] < mesh.solid_triangles() ? 1 : 0;
     } else {
       ++surface.hidden;
       surface.hidden_area += twice_area(split.points, split.pieces[piece]).norm() / 2;
     }
   }
-  drop_hairs(mesh, surface);
+  join_hairs(mesh, surface, parents);
+  // The lattice joins what a narrow gap left open.
+  if (!open_vertices(surface, 0).empty() &&
+      !(narrow > 0 && open_vertices(surface, narrow).empty())) {
+    drop_hairs(mesh, surface, parents);
+    keep_sides(mesh, narrow, split, parents, surface);
+  }
   compact(surface);
   return surface;
 }

@@ -3,11 +3,21 @@
 
 #include <cstddef>
 #include <cstdint>
+#include <memory>
 #include <vector>
 
 #include "baker/mesh/mesh.hpp"
 
 namespace spm::baker {
+
+/// Closed surfaces whose winding number tells the side of a place.
+struct ClosedSurfaces {
+  std::vector<Vector3> vertices;
+  std::vector<Triangle> triangles;
+  /// Of the triangles that are felt, whether some beside it may be told a wrong side by them.
+  std::vector<char> doubtful;
+  double gap = 0;  ///< m: what is nearer to these, and not to what is felt, is in a closed gap
+};
 
 /// The surface that a hand coming from outside can touch: the boundary of the union of all solids,
 /// and what of the sheets lies outside that. Triangles are split where they intersect a solid, and
@@ -15,10 +25,13 @@ namespace spm::baker {
 struct OuterSurface {
   std::vector<Vector3> vertices;
   std::vector<Triangle> triangles;
-  std::size_t solid_count = 0;   ///< triangles before this index are of solids, the rest of sheets
-  std::size_t hidden = 0;        ///< pieces removed because they lie inside other parts
-  std::size_t intersecting = 0;  ///< triangles of the mesh that were split
-  double hidden_area = 0;        ///< m2
+  std::size_t solid_count = 0;  ///< triangles before this index are of solids, the rest of sheets
+  std::size_t hidden = 0;       ///< pieces removed because they lie inside other parts
+  Counted intersecting;         ///< triangles of the mesh that were split; a vertex of the mesh
+  double hidden_area = 0;       ///< m2
+  /// All triangles of the solids as they were, where those that are felt do not close, as rounding
+  /// may leave them between parts that touch; else nothing, and the felt ones tell the side.
+  std::shared_ptr<const ClosedSurfaces> sides;
 
   [[nodiscard]] bool has_sheets() const noexcept { return solid_count < triangles.size(); }
 };

@@ -21,8 +21,9 @@ constexpr double facing_cosine = -0.98;
 
 class PairTest {
  public:
-  PairTest(std::span<const Vector3> points, std::span<const Triangle> triangles, double near)
-      : points_(points), triangles_(triangles), near_(near) {}
+  PairTest(std::span<const Vector3> points, std::span<const Triangle> triangles, double near,
+           std::size_t solids)
+      : points_(points), triangles_(triangles), near_(near), solids_(solids) {}
 
   [[nodiscard]] bool crossing(std::uint32_t first, std::uint32_t second) const {
     // Shared corners first, in the same order on both sides.
@@ -53,7 +54,9 @@ class PairTest {
     if (!(near_ > 0)) return false;
     const Triangle &a = triangles_[first], &b = triangles_[second];
     const Vector3 up = normal(a), other = normal(b);
-    if (!(up.dot(other) < facing_cosine * up.norm() * other.norm())) return false;
+    if (first >= solids_) return false;
+    const double along = up.dot(other), turned = second < solids_ ? along : -std::abs(along);
+    if (!(turned < facing_cosine * up.norm() * other.norm())) return false;
     for (const std::uint32_t corner : a) {
       if (std::find(b.begin(), b.end(), corner) != b.end()) return false;
     }
@@ -109,12 +112,13 @@ class PairTest {
   std::span<const Vector3> points_;
   std::span<const Triangle> triangles_;
   double near_;  ///< m
+  std::size_t solids_;
 };
 
 }  // namespace
 
 MeetingPairs meeting_pairs(std::span<const Vector3> points, std::span<const Triangle> triangles,
-                           double near) {
+                           double near, std::size_t solids) {
   std::vector<Box> boxes;
   boxes.reserve(triangles.size());
   for (std::uint32_t i = 0; i < triangles.size(); ++i) {
@@ -123,7 +127,7 @@ MeetingPairs meeting_pairs(std::span<const Vector3> points, std::span<const Tria
     const Vector3 low = box.min().array() - near / 2, high = box.max().array() + near / 2;
     boxes.emplace_back(CGAL::Bbox_3(low.x(), low.y(), low.z(), high.x(), high.y(), high.z()), i);
   }
-  const PairTest test(points, triangles, near);
+  const PairTest test(points, triangles, near, solids);
   struct Found {
     TrianglePair pair;
     bool crossing, facing;

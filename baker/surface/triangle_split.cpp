@@ -201,7 +201,7 @@ class Splitter {
     }
     // The corners keep their numbers, even where another vertex lies in the same place.
     for (std::size_t k = 0; k < 3; ++k) ends[k]->info() = triangles_[index][k];
-    if (triangulation.number_of_faces() > 1) ++mesh_.split;
+    if (triangulation.number_of_faces() > 1) mesh_.split.add(1, triangles_[index][0]);
     for (const auto face : triangulation.finite_face_handles()) {
       add_piece({face->vertex(0)->info(), face->vertex(1)->info(), face->vertex(2)->info()}, index);
     }

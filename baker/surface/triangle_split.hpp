@@ -17,7 +17,7 @@ struct SplitMesh {
   std::vector<Vector3> points;         ///< the mesh's own first
   std::vector<Triangle> pieces;        ///< oriented as the triangles they come from
   std::vector<std::uint32_t> parents;  ///< the triangle that each piece comes from, ascending
-  std::size_t split = 0;               ///< triangles that became more than one piece
+  Counted split;                       ///< triangles that became more than one piece
   /// Pairs that overlap in a common plane, both ways round and sorted.
   std::vector<TrianglePair> coplanar;
   std::vector<TrianglePair> facing;  ///< those that face each other, both ways round and sorted

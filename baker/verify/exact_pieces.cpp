@@ -29,6 +29,8 @@ struct Scale {
   double touching;  ///< points nearer than this to a plane or line are on it
   double probe;     ///< how far above and below a piece the winding number is evaluated
   double narrow;    ///< gaps between triangles that face each other within this are closed
+  double wall;      ///< the least that a wall is thick, where it is one
+  double hair;      ///< pieces of triangles that are lower go: alone they may reach into a solid
 };
 
 Corners corners_of(const Mesh& mesh, std::size_t triangle) {
@@ -78,11 +80,13 @@ std::vector<Segment> meeting(const Frame& frame, const Corners& other, double to
   return segments;
 }
 
-/// Whether a triangle that shares no corner with the one of a frame faces it, and one lies within
-/// the narrow distance of the other's plane.
-bool faces(const Frame& frame, const Corners& own, const Corners& other, double narrow) {
+/// Whether a triangle that shares no corner with the one of a frame faces it, or lies along it
+/// where that one is a sheet's, and one lies within the narrow distance of the other's plane.
+bool faces(const Frame& frame, const Corners& own, const Corners& other, double narrow,
+           bool sheet) {
   constexpr double opposite = -0.98;
-  if (!(narrow > 0) || !(frame.n.dot(normal_of(other)) < opposite)) return false;
+  const double along = frame.n.dot(normal_of(other));
+  if (!(narrow > 0) || !((sheet ? -std::abs(along) : along) < opposite)) return false;
   const bool hinged = std::any_of(own.begin(), own.end(), [&](const Vector3& corner) {
     return std::find(other.begin(), other.end(), corner) != other.end();
   });
@@ -174,14 +178,15 @@ struct Kind {
   bool sheet = false;
   std::vector<Corners> facing;  ///< those that face it across a narrow gap, or across none
 
-  /// Whether one of these covers a point of its plane.
-  [[nodiscard]] bool faced_at(const Frame& frame, const Vector3& point) const {
+  /// Whether one of these covers a point of its plane, or nearly.
+  [[nodiscard]] bool faced_at(const Frame& frame, const Vector3& point, double nearly) const {
     const Vector2 at = frame.flat(point);
     return std::any_of(facing.begin(), facing.end(), [&](const Corners& other) {
       // Seen from this triangle they run clockwise.
       for (std::size_t k = 0; k < 3; ++k) {
         const Vector2 from = frame.flat(other[k]);
-        if (cross(frame.flat(other[(k + 1) % 3]) - from, at - from) > 0) return false;
+        const Vector2 along = frame.flat(other[(k + 1) % 3]) - from;
+        if (cross(along, at - from) > nearly * along.norm()) return false;
       }
       return true;
     });
@@ -189,13 +194,21 @@ struct Kind {
 };
 
 Side side_of(const ExactWinding& winding, const Vector3& point, const Frame& frame,
-             const Scale& scale, const Kind& kind) {
+             const Scale& scale, const Kind& kind, bool sliver) {
   const auto inside = [&](double height) { return winding.at(point + height * frame.n) > 0.5; };
-  const bool above = inside(scale.probe), below = inside(-scale.probe);
-  // A sheet is felt where both its sides are outside.
+  // A solid lies beyond a gap, or several such gaps behind each other.
+  const auto narrows = [&](double height) {
+    return inside(height) || inside(height / 4) || inside(height / 16);
+  };
+  const double probe = kind.sheet ? std::max(scale.probe, scale.narrow) : scale.probe;
+  const bool above = inside(probe);
+  // Walls, however thin, are walls.
+  const bool below = inside(-probe) || (!above && !kind.sheet && inside(-scale.wall));
+  // A sheet is felt where both its sides are outside, also across a narrow gap.
   if (kind.sheet) return above || below ? Side::hidden : Side::outer;
   if (above == below) return Side::hidden;
-  if (kind.faced_at(frame, point) && inside(below ? scale.narrow : -scale.narrow)) {
+  if ((sliver || kind.faced_at(frame, point, scale.narrow)) &&
+      narrows(below ? scale.narrow : -scale.narrow)) {
     return Side::hidden;
   }
   return below ? Side::outer : Side::turned;
@@ -216,6 +229,22 @@ void keep(Sorted& sorted, const Corners& piece, Side side) {
   }
 }
 
+/// Whether a polygon is no higher than so much.
+bool is_sliver(const Polygon& polygon, double height) {
+  double longest = 0, twice_area = 0;
+  for (std::size_t i = 0; i < polygon.size(); ++i) {
+    twice_area += cross(polygon[i], polygon[(i + 1) % polygon.size()]);
+    for (const Vector2& other : polygon) longest = std::max(longest, (other - polygon[i]).norm());
+  }
+  return twice_area <= height * longest;
+}
+
+bool is_hair(const Corners& t, double height) {
+  const double longest =
+      std::max({(t[1] - t[0]).norm(), (t[2] - t[1]).norm(), (t[0] - t[2]).norm()});
+  return (t[1] - t[0]).cross(t[2] - t[0]).norm() <= height * longest;
+}
+
 /// Classifies the pieces of a cut triangle.
 Sorted sort_pieces(const ExactWinding& winding, const Frame& frame,
                    const std::vector<Polygon>& polygons, const Scale& scale, const Kind& kind) {
@@ -223,11 +252,12 @@ Sorted sort_pieces(const ExactWinding& winding, const Frame& frame,
   for (const Polygon& polygon : polygons) {
     Vector2 centre = Vector2::Zero();
     for (const Vector2& corner : polygon) centre += corner / static_cast<double>(polygon.size());
-    const Side side = side_of(winding, frame.lifted(centre), frame, scale, kind);
+    const bool sliver = polygons.size() > 1 && is_sliver(polygon, scale.narrow);
+    const Side side = side_of(winding, frame.lifted(centre), frame, scale, kind, sliver);
     for (std::size_t i = 2; i < polygon.size(); ++i) {
-      keep(sorted,
-           {frame.lifted(polygon[0]), frame.lifted(polygon[i - 1]), frame.lifted(polygon[i])},
-           side);
+      const Corners piece{frame.lifted(polygon[0]), frame.lifted(polygon[i - 1]),
+                          frame.lifted(polygon[i])};
+      if (polygons.size() == 1 || !is_hair(piece, scale.hair)) keep(sorted, piece, side);
     }
   }
   return sorted;
@@ -236,7 +266,8 @@ Sorted sort_pieces(const ExactWinding& winding, const Frame& frame,
 }  // namespace
 
 SurfacePieces outer_pieces(const Mesh& mesh, const ExactWinding& winding, double narrow) {
-  const Scale scale{1e-9 * mesh.diagonal, 1e-6 * mesh.diagonal, narrow};
+  const Scale scale{1e-9 * mesh.diagonal, 1e-6 * mesh.diagonal, narrow, 5e-9 * mesh.diagonal,
+                    1e-7 * mesh.diagonal};
   const CubeBins near = neighbours(mesh, narrow);
   std::vector<std::vector<Polygon>> polygons(mesh.triangles.size());
   std::vector<Kind> kinds(mesh.triangles.size());
@@ -251,8 +282,8 @@ SurfacePieces outer_pieces(const Mesh& mesh, const ExactWinding& winding, double
       for (const Segment& segment : meeting(frame, there, scale.touching)) {
         cut(polygons[i], segment, scale.touching);
       }
-      if (kinds[i].sheet || !faces(frame, own, there, narrow)) continue;
-      kinds[i].facing.push_back(there);
+      if (!faces(frame, own, there, narrow, kinds[i].sheet)) continue;
+      if (!kinds[i].sheet) kinds[i].facing.push_back(there);
       for (std::size_t k = 0; k < 3; ++k) {
         cut(polygons[i], {frame.flat(there[k]), frame.flat(there[(k + 1) % 3])}, scale.touching);
       }
@@ -272,7 +303,7 @@ SurfacePieces outer_pieces(const Mesh& mesh, const ExactWinding& winding, double
       sorted[i].kept.push_back(own);
     } else if (polygons[i].size() == 1) {
       keep(sorted[i], own,
-           side_of(winding, (own[0] + own[1] + own[2]) / 3, Frame(own), scale, kinds[i]));
+           side_of(winding, (own[0] + own[1] + own[2]) / 3, Frame(own), scale, kinds[i], false));
     } else {
       sorted[i] = sort_pieces(winding, Frame(own), polygons[i], scale, kinds[i]);
     }

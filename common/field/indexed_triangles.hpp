@@ -25,7 +25,7 @@ inline constexpr std::uint32_t corner_mask = (1U << corner_bits) - 1;
 ///     last bit is set where single precision will not do (thin). The first side, from corner 0 to
 ///     corner 1, is the shortest;
 ///   sides: 16 bits each, one a triangle: its FeatureSides; bit 14 set where no tile shows it
-///     (bare), bit 15 for triangles of sheets.
+///     (bare), bit 15 of triangles that are no surface and are only crossed (TriangleList).
 ///
 /// Words may be anything, in a file that was damaged after it was checked, so each number is
 /// checked before it is used.
@@ -81,19 +81,19 @@ struct IndexedTriangles {
 struct TriangleTraits {
   FeatureSides sides = 0;
   bool bare = false;
-  bool sheet = false;
+  bool crossed = false;
 };
 
 [[nodiscard]] constexpr std::uint32_t pack_traits(const TriangleTraits& traits) noexcept {
   return std::uint32_t{traits.sides} | (traits.bare ? 1U << 14U : 0U) |
-         (traits.sheet ? 1U << 15U : 0U);
+         (traits.crossed ? 1U << 15U : 0U);
 }
 [[nodiscard]] inline TriangleTraits traits_of(const IndexedTriangles& mesh,
                                               std::size_t triangle) noexcept {
   const std::uint32_t bits = mesh.sides[triangle / 2] >> 16U * (triangle % 2);
   return {.sides = static_cast<FeatureSides>(bits & 0x3FFFU),
           .bare = (bits >> 14U & 1U) != 0,
-          .sheet = (bits >> 15U & 1U) != 0};
+          .crossed = (bits >> 15U & 1U) != 0};
 }
 
 }  // namespace spm

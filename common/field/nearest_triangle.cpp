@@ -7,6 +7,7 @@
 #include <cstring>
 #include <limits>
 
+#include "common/field/feature_sides.hpp"
 #include "common/surface/closest_on_triangle.hpp"
 
 // Highway compiles what follows once for each kind of processor, by including this file again.
@@ -87,7 +88,7 @@ HWY_INLINE std::uint32_t listed_triangle(const TriangleList& list, std::size_t p
   } else {
     std::memcpy(&number, numbers + 2 * place, 2);
   }
-  number += list.words[0];
+  number += list.words[0] & list_first_mask;
   return number < triangle_count ? number : 0;
 }
 
@@ -257,6 +258,16 @@ HWY_INLINE void take_face(const Sides& s, const Products& p, Closest& closest) {
                {hn::Mul(rise, height), away, zero, hn::Set(WholeLanes(), on_face)});
 }
 
+/// Of the way from the closest point, what is along the normal; 0 where that tells no side.
+HWY_INLINE Floats along_normal(const Sides& s, const Closest& closest) {
+  const Lanes lanes;
+  const Floats along = dot(s.normal, closest.away);
+  const Floats least = hn::Set(lanes, static_cast<float>(least_along_square));
+  const auto slanted =
+      hn::Lt(hn::Mul(along, along), hn::Mul(hn::Mul(least, s.area), closest.square));
+  return hn::IfThenZeroElse(slanted, along);
+}
+
 /// What the squares are at least, of triangles too thin for the above: over a face the nearest side
 /// is at most half the triangle's height away. With room for the rounding of all of this.
 HWY_INLINE Floats least_squares(const Sides& s, const Products& p, Floats beside) {
@@ -381,7 +392,7 @@ NearestTriangle find_nearest_triangle(const IndexedTriangles& mesh, const Triang
       const Floats least = least_squares(sides, products, closest.square);
       take_face(sides, products, closest);
       if (HWY_LIKELY(packet.thin == 0)) {
-        nearest.meet(closest, dot(sides.normal, closest.away), places_from(lane));
+        nearest.meet(closest, along_normal(sides, closest), places_from(lane));
         continue;
       }
       const auto bit = hn::And(hn::Set(whole, static_cast<std::int32_t>(packet.thin >> lane)),

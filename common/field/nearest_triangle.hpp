@@ -21,7 +21,8 @@ struct NearestTriangle {
   /// Whether what follows is there: not of thin triangles.
   bool has_closest = false;
   std::array<float, 3> away{};  ///< from the closest point to the place, lattice steps
-  float along = 0;              ///< of that, along the triangle's normal, of no certain length
+  /// Of that, along the triangle's normal, of no certain length; 0 as side_told wants it.
+  float along = 0;
   TriangleFeature feature = TriangleFeature::face;  ///< on which the closest point lies
 };
 

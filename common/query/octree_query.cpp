@@ -9,6 +9,7 @@
 
 #include "common/base/octahedral.hpp"
 #include "common/field/nearest_triangle.hpp"
+#include "common/field/side_by_crossings.hpp"
 #include "common/query/band_distance.hpp"
 #include "common/query/leaf_maps.hpp"
 #include "common/surface/closest_on_triangle.hpp"
@@ -27,7 +28,7 @@ struct ClosestOnList {
   Vector3 away = Vector3::Zero();    ///< from there to the place
   Vector3 normal = Vector3::Zero();  ///< of its triangle, of no certain length
   double distance = -1;              ///< below 0: none
-  bool inside = false;               ///< the side that it tells
+  std::optional<bool> inside;        ///< the side that it tells, if any
 };
 
 ClosestOnList closest_on_list(const AssetView& asset, const TriangleList& list, ListPart part,
@@ -45,7 +46,11 @@ ClosestOnList closest_on_list(const AssetView& asset, const TriangleList& list, 
                     step * static_cast<double>(nearest.away[1]),
                     step * static_cast<double>(nearest.away[2])};
     closest.distance = distance;
-    closest.inside = is_inside(sides, nearest.feature, static_cast<double>(nearest.along));
+    const auto along = static_cast<double>(nearest.along);
+    closest.inside = is_side(nearest.feature) ? side_told(sides, nearest.feature, along,
+                                                          corners_of(asset.exact, nearest.triangle),
+                                                          point - closest.away, distance * distance)
+                                              : side_told(sides, nearest.feature, along);
     return closest;
   }
   const auto corners = corners_of(asset.exact, nearest.triangle);
@@ -54,16 +59,25 @@ ClosestOnList closest_on_list(const AssetView& asset, const TriangleList& list, 
   closest.away = {x, y, z};
   closest.normal = {on.normal[0], on.normal[1], on.normal[2]};
   closest.distance = std::sqrt(x * x + y * y + z * z);
-  closest.inside =
-      is_inside(sides, on.feature, on.normal[0] * x + on.normal[1] * y + on.normal[2] * z);
+  closest.inside = side_told(sides, on.feature, along_normal(closest.normal, closest.away), corners,
+                             on.point, closest.away.squaredNorm());
   return closest;
 }
 
-Answer answer_by_list(const AssetView& asset, const std::uint32_t* unit,
+/// Whether the point is inside the solids.
+bool is_inside(const AssetView& asset, const Leaf& leaf, const TriangleList& list,
+               const ClosestOnList& closest, const Vector3& point) noexcept {
+  if (list.side != ListSide::surface) return list.side == ListSide::inside;
+  if (closest.inside) return *closest.inside;
+  return side_by_crossings(asset.exact, list, leaf.middle, leaf.half, point, closest.distance)
+      .value_or(false);
+}
+
+Answer answer_by_list(const AssetView& asset, const Leaf& leaf, const std::uint32_t* unit,
                       const Vector3& point) noexcept {
   const TriangleList list = list_of(asset.octree, unit);
   ClosestOnList closest = closest_on_list(asset, list, ListPart::solids, point);
-  bool inside = list.side == ListSide::surface ? closest.inside : list.side == ListSide::inside;
+  bool inside = is_inside(asset, leaf, list, closest, point);
   double distance = inside ? -closest.distance : closest.distance;
   if (list.sheets != 0) {
     const ClosestOnList sheet = closest_on_list(asset, list, ListPart::sheets, point);
@@ -141,7 +155,7 @@ Answer query_leaf(const AssetView& asset, const Leaf& leaf, const Vector3& point
       return answer_by_maps(asset, leaf, maps, point);
     }
     case OctreeKind::list:
-      return answer_by_list(asset, words, point);
+      return answer_by_list(asset, leaf, words, point);
     case OctreeKind::deep: {
       Answer answer;
       answer.distance = -asset.band.max_depth;

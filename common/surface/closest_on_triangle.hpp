@@ -14,6 +14,10 @@ namespace spm {
 /// A part of a triangle: its face, a side or a corner.
 enum class TriangleFeature : unsigned { face, ab, bc, ca, a, b, c };
 
+[[nodiscard]] constexpr bool is_side(TriangleFeature feature) noexcept {
+  return feature != TriangleFeature::face && feature < TriangleFeature::a;
+}
+
 struct ClosestFeature {
   Vector3 point = Vector3::Zero();
   Vector3 normal = Vector3::Zero();                 ///< of the triangle, of no certain length

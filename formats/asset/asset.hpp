@@ -13,7 +13,7 @@
 namespace spm {
 
 /// The version of the file format that this program writes and reads.
-inline constexpr int asset_format_version = 6;
+inline constexpr int asset_format_version = 7;
 
 enum class AssetForm { sparse, full };
 
@@ -47,6 +47,8 @@ struct AssetMetadata {
   double fallback_cells = 0;  ///< part of the record cells that have triangles
   /// m, from the middle of a sheet to what is felt of it; 0 where the mesh has no sheets.
   double sheet_thickness = 0;
+  /// JSON object: what the parts of the mesh were taken for, and what was found in it and mended.
+  std::string solid = "{}";
 
   /// Sets what a query reads of this.
   void add_to(AssetView& view) const noexcept;

@@ -102,6 +102,20 @@ bool is_sha256(const std::string& text) {
   return text.size() == 64 && text.find_first_not_of("0123456789abcdef") == std::string::npos;
 }
 
+/// Whether what was found is there as `info` prints it.
+bool is_solid(const Json& solid) {
+  if (!solid.is_object()) return false;
+  if (!solid.contains("found")) return true;
+  const Json& found = solid["found"];
+  return found.is_array() && std::all_of(found.begin(), found.end(), [](const Json& one) {
+           if (!one.is_object() || !one.contains("what") || !one.contains("place_m")) return false;
+           const Json& place = one["place_m"];
+           return one["what"].is_string() && place.is_array() && place.size() == 3 &&
+                  std::all_of(place.begin(), place.end(),
+                              [](const Json& x) { return x.is_number(); });
+         });
+}
+
 bool is_basis(const SupportPlane& plane) {
   Eigen::Matrix3d basis;
   basis << plane.u, plane.v, plane.n;
@@ -142,6 +156,9 @@ AssetMetadata read_metadata(JsonFields& fields) {
   metadata.tried_area = fields.number("tried_area", 0, 1);
   metadata.fallback_cells = fields.number("fallback_cells", 0, 1);
   metadata.sheet_thickness = fields.number("sheet_thickness", 0);
+  const Json& solid = fields.optional("solid");
+  if (!is_solid(solid)) fields.wrong("solid", "an object whose `found` has places");
+  metadata.solid = solid.dump();
   return metadata;
 }
 
@@ -299,6 +316,7 @@ std::string to_json(const AssetDescription& description) {
                {"tried_area", metadata.tried_area},
                {"fallback_cells", metadata.fallback_cells},
                {"sheet_thickness", metadata.sheet_thickness},
+               {"solid", Json::parse(metadata.solid)},
                {"mesh", mesh_json(metadata)}};
   if (metadata.form == AssetForm::full) {
     json["grid"] = grid_json(description);

@@ -115,16 +115,13 @@ class OctreeCheck {
   }
 
   [[nodiscard]] std::string_view list_problem(const std::uint32_t* words) {
-    if ((words[1] & 0x0FFFFFFFU) == 0) return "has a list without triangles";
-    if (words[1] >> 31U != 0 ||
-        (words[1] >> 28U & 3U) > static_cast<std::uint32_t>(ListSide::inside)) {
-      return "has a list of no side";
-    }
+    if ((words[1] & 0x03FFFFFFU) == 0) return "has a list without triangles";
+    if ((words[1] & list_side_bits) >> 26U >= list_side_codes) return "has a list of no side";
     const TriangleList list = list_of(asset_.octree, words);
     if (list.size() == 0) return "has a list that is cut short";
     // Cubes may share a whole list, but no part of one; else looking at all of them could take
     // long.
-    constexpr std::uint32_t but_side = ~(3U << 28U);
+    constexpr std::uint32_t but_side = ~list_side_bits;
     if (lists_[words[0]] == (words[1] & but_side)) return {};
     for (std::size_t k = words[0]; k < words[0] + list.word_count(); ++k) {
       if (listed_[k]) return "shares a part of its list with another";
@@ -191,7 +188,7 @@ std::string octree_problem(const AssetView& asset, std::size_t* steps) {
     }
     const Corners corners = corners_of(asset.exact, i);
     if (is_far_outside(asset, corners)) return "a triangle lies outside its octree";
-    if (wide && is_lost(asset, corners)) {
+    if (wide && !traits_of(asset.exact, i).crossed && is_lost(asset, corners)) {
       return "a cube of its octree says that the surface is not in it, but a triangle is";
     }
   }

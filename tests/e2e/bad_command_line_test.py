@@ -151,16 +151,16 @@ class BadCommandLine(Case):
         closed = self.output_folder("closed")
         os.chmod(closed, 0o555)
         user = NOBODY if os.geteuid() == 0 else None
-        for what, output in (("no such folder", self.path("none", "a.spm.exr")),
-                             ("a directory", self.folder),
+        for what, output in (("a directory", self.folder),
                              ("a file as folder", os.path.join(mesh, "a.spm.exr")),
-                             ("no permission", os.path.join(closed, "a.spm.exr"))):
+                             ("no permission", os.path.join(closed, "a.spm.exr")),
+                             ("no permission for a folder", os.path.join(closed, "b/c", "a.spm.exr"))):
             with self.subTest(what):
                 result = run("build", mesh, "-o", output, "--tolerance", "1mm", user=user)
-                self.expect_refusal(result, 2, os.path.dirname(output) or output)
+                self.expect_refusal(result, 2, closed if "permission" in what else output)
         # Before the bake also means before the mesh is read.
-        result = run("build", self.path("missing.obj"), "-o", self.path("none", "a.spm.exr"))
-        self.expect_refusal(result, 2, "none")
+        result = run("build", self.path("missing.obj"), "-o", os.path.join(mesh, "a.spm.exr"))
+        self.expect_refusal(result, 2, "a.obj")
 
     def test_a_mesh_is_not_overwritten_by_its_own_asset(self):
         mesh = self.write("a.obj", obj(TETRAHEDRON))

@@ -8,7 +8,7 @@ import os
 import struct
 import unittest
 
-from programs import BUILD_KEYS, NUMBER, TETRAHEDRON, THIN_BAND, Case, digest, obj, run, sphere
+from programs import BUILD_KEYS, NUMBER, TETRAHEDRON, THIN_BAND, Case, digest, merged, obj, run, sphere
 
 RADIUS = 0.02
 SPHERE = obj(sphere(RADIUS))
@@ -181,13 +181,52 @@ class Bake(Case):
     def test_the_size_is_told_and_a_doubtful_unit_asked_about(self):
         mesh = self.box_mesh()
         doubtful = run("build", mesh, "-o", self.asset)
-        self.assertEqual(doubtful.returncode, 0, doubtful.stderr)
-        self.assertIn("100 m from corner to corner; is it in mm?", doubtful.stderr)
+        self.expect_refusal(doubtful, 3, "100 m from corner to corner; is it in mm?", "--unit")
+        self.assertFalse(os.path.exists(self.asset))
+        self.expect_refusal(run("build", self.write("tiny.obj", obj(sphere(1e-6))), "-o", self.asset), 3,
+                            "--unit")
+        large = run("build", mesh, "-o", self.asset, "--unit", "m")
+        self.assertEqual(large.returncode, 0, large.stderr)
+        self.assertNotIn("is it in mm?", large.stderr)
         sure = run("build", mesh, "-o", self.asset, "--unit", "mm")
         self.assertIn("size     48 x 60 x 64 mm", sure.stdout)
         self.assertNotIn("is it in mm?", sure.stderr)
         # Few triangles bake at once into a small file.
         self.assertLess(os.path.getsize(self.asset), 20000)
+
+    def test_a_folder_that_is_missing_is_made_once_there_is_something_to_write(self):
+        output = self.path("new/folder/a.spm.exr")
+        self.expect_refusal(run("build", self.box_mesh(), "-o", output), 3, "--unit")
+        self.assertFalse(os.path.exists(self.path("new")))
+        self.assertEqual(run("build", self.box_mesh(), "-o", output, "--unit", "mm").returncode, 0)
+        self.assertEqual(os.listdir(self.path("new/folder")), ["a.spm.exr"])
+
+    def test_a_mesh_with_what_nobody_wants_is_refused_with_places(self):
+        vertices, triangles = TETRAHEDRON
+        meshes = {"open": (vertices, triangles[1:]), "repaired": (vertices, triangles + triangles[:1]),
+                  "sheets": (vertices[:3], [(0, 1, 2)]),
+                  "nonmanifold": (vertices + [(-0.02, 0.03, -0.05)], triangles + [(*triangles[0][:2], 4)]),
+                  "selfintersecting": merged(TETRAHEDRON, ([(x + 0.003, y + 0.002, z + 0.001)
+                                                            for x, y, z in vertices], triangles))}
+        output = self.path("new.spm.exr")
+        words = ("open", "nonmanifold", "selfintersecting", "sheets", "lids", "repaired")
+        for word, mesh in meshes.items():
+            path = self.write(word + ".obj", obj(mesh))
+            with self.subTest(word):
+                self.expect_refusal(run("build", path, "-o", output, "--fail-on", word, *THIN_BAND), 3,
+                                    "--fail-on " + word, "mm", word + ".obj")
+                self.assertFalse(os.path.exists(output))
+                report = self.run_json("build", path, "-o", output, *THIN_BAND)
+                found = {each["kind"]: each for each in report["solid"]["found"]}
+                self.assertIn(word, found)
+                self.assertEqual(len(found[word]["place_m"]), 3)
+                self.assertEqual(self.run_json("info", output)["solid"], report["solid"])
+                self.assertIn(found[word]["what"], run("info", output).stdout)
+                os.remove(output)
+        self.assertEqual(run("build", self.write("whole.obj", obj(TETRAHEDRON)), "-o", output, "--fail-on",
+                             ",".join(words), *THIN_BAND).returncode, 0)
+        self.expect_refusal(run("build", path, "-o", output, "--fail-on", "cracks"), 1, "cracks",
+                            "selfintersecting")
 
     def test_a_tolerance_that_is_not_met_writes_nothing(self):
         # No error so small can be proven in floats. Few triangles, since each is split to the last.

@@ -8,7 +8,7 @@ import pty
 import subprocess
 import unittest
 
-from programs import BAKE, BUILD_KEYS, SERVO, Case, digest, obj, run, sphere, tetrahedron
+from programs import BAKE, BUILD_KEYS, SERVO, TETRAHEDRON, Case, digest, obj, run, sphere, tetrahedron
 
 
 class Batch(Case):
@@ -147,12 +147,31 @@ class ManyAssets(Case):
         self.assertEqual(result.returncode, 11)
         self.assertEqual([line["ok"] for line in lines], [True, False, False, False])
 
-    def test_a_missing_folder_for_outputs_is_told_with_its_line(self):
+    def test_a_missing_folder_for_outputs_is_made(self):
         os.rmdir(self.path("baked"))
+        result, lines = self.batch("--dry-run")
+        self.assertEqual(result.returncode, 0, result.stderr)
+        self.assertFalse(os.path.exists(self.path("baked")))
+        self.batch("--keep-going")
+        self.assertIn("a.spm.exr", self.baked())
+
+    def test_a_folder_that_cannot_be_made_is_told_with_its_line(self):
+        os.rmdir(self.path("baked"))
+        self.write("baked", "a file")
         result, lines = self.batch("--keep-going")
         self.assertEqual(result.returncode, 11)
         self.assertEqual({line["exit_code"] for line in lines}, {2})
         self.assertIn("line 2: 'output'", lines[0]["error"])
+
+    def test_a_batch_fails_on_what_nobody_wants_in_its_meshes(self):
+        vertices, triangles = TETRAHEDRON
+        self.write("meshes/b.obj", obj((vertices, triangles[1:])))
+        result, lines = self.batch("--fail-on", "sheets,open", "--keep-going")
+        self.assertEqual(result.returncode, 11)
+        refused = [line for line in lines if line["name"] == "b"][0]
+        self.assertEqual(refused["exit_code"], 3)
+        self.assertIn("--fail-on open", refused["error"])
+        self.assertTrue([line for line in lines if line["name"] == "a"][0]["ok"])
 
     def test_a_dry_run_lists_the_assets_and_bakes_nothing(self):
         result, lines = self.batch("--dry-run")

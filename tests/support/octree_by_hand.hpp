@@ -21,7 +21,6 @@ struct TriangleByHand {
   std::array<std::array<std::int32_t, 3>, 3> corners{};  ///< steps of the lattice from its middle
   FeatureSides sides = 0;
   bool bare = false;  ///< no tile shows it
-  bool sheet = false;
   bool thin = false;
 };
 
@@ -63,9 +62,8 @@ inline std::uint32_t add_triangle(OctreeData& octree, const TriangleByHand& tria
   }
   append(octree.triangles, pack_three(corners, triangle.thin));
   if (number % 2 == 0) octree.sides.push_back(0);
-  octree.sides.back() |=
-      pack_traits({.sides = triangle.sides, .bare = triangle.bare, .sheet = triangle.sheet})
-      << 16U * (number % 2);
+  octree.sides.back() |= pack_traits({.sides = triangle.sides, .bare = triangle.bare})
+                         << 16U * (number % 2);
   return number;
 }
 

@@ -15,8 +15,8 @@
 namespace spm::test {
 
 /// On which side places lie that are nearest to a side or corner of a shape's triangles: told by
-/// normals where two triangles are nearly flat, else outside where all of its sides are convex and
-/// inside where all are concave.
+/// normals where two triangles are nearly flat, else outside where all of its sides are convex,
+/// inside where all are concave, and by crossings where some are.
 class ShapeSides {
  public:
   explicit ShapeSides(const Shape& shape) : shape_(shape), corners_(shape.vertices.size()) {
@@ -40,7 +40,8 @@ class ShapeSides {
       const std::uint32_t met = corners_[side(triangle, k).first];
       const FeatureSide corner = met == 2U   ? FeatureSide::outside
                                  : met == 4U ? FeatureSide::inside
-                                             : FeatureSide::by_normal;
+                                 : met == 0U ? FeatureSide::by_normal
+                                             : FeatureSide::by_crossings;
       sides = static_cast<FeatureSides>(
           sides | pack_side(static_cast<TriangleFeature>(1 + k), at_side(triangle, k)) |
           pack_side(static_cast<TriangleFeature>(4 + k), corner));
@@ -129,7 +130,9 @@ struct CubeOfSpace {
     }
     list.push_back(add_triangle(octree, triangle));
   }
-  const auto unit = add_list(octree, list, {}, side);
+  auto unit = add_list(octree, list, {}, side);
+  // The space is around the shape.
+  if (side == ListSide::surface) unit[1] |= list_word(0, 0, side, false, KnownPlace{});
   octree.units.assign(unit.begin(), unit.end());
   octree.root_words = {root_word(OctreeKind::list, 0)};
   return octree;

@@ -179,8 +179,9 @@ TEST_CASE("Tables of scenes are held to their keys and own outputs") {
              Catch::Contains("is the scene itself"));
   CHECK_THAT(said("[[scene]]\nscene = \"scenes/dentist.toml\"\noutput = \"baked/teeth.spm.exr\"\n"),
              Catch::Contains("line 10") && Catch::Contains("of line 4"));
-  CHECK_THAT(said("[[scene]]\nscene = \"scenes/dentist.toml\"\noutput = \"no/a.toml\"\n"),
-             Catch::Contains("line 10: 'output'"));
+  CHECK_THAT(
+      said("[[scene]]\nscene = \"scenes/dentist.toml\"\noutput = \"scenes/dentist.toml/a.toml\"\n"),
+      Catch::Contains("line 10: 'output'"));
 }
 
 }  // namespace spm::baker::scenes_test

@@ -34,8 +34,7 @@ Asset tile_asset() {
   test::set_lattice(asset.octree, Vector3::Zero(), 1e-6);
   test::add_triangle(asset.octree,
                      {.corners = {{{0, 0, 0}, {2000, 0, 0}, {0, 2000, 0}}}, .bare = true});
-  test::add_triangle(asset.octree,
-                     {.corners = {{{0, 0, 9}, {9, 0, 9}, {0, 9, 9}}}, .sheet = false});
+  test::add_triangle(asset.octree, {.corners = {{{0, 0, 9}, {9, 0, 9}, {0, 9, 9}}}});
   return asset;
 }
 

@@ -66,14 +66,14 @@ TEST_CASE("What a bake writes changes only with its version") {
   // algorithm_version where the digests differ and the format is the same, then write all of them
   // down here.
   CHECK(algorithm_version == 2);
-  CHECK(asset_format_version == 6);
+  CHECK(asset_format_version == 7);
   CHECK(digest_of(step, [](BuildRequest& request) { request.bake.tolerance = 2.5e-4; }) ==
-        "60fa31ebebc4de7ca85367dada4ac9bd43476a70580100cc2e2a8eef877f4cb4");
+        "2989ec9f358fbf1d0ed8d0bd4edd992375280b245ddf376fc8d545d90f167f2f");
   CHECK(digest_of(corner, [](BuildRequest& request) {
           request.bake.form = AssetForm::full;
           request.bake.planes = 6;
           request.bake.resolution = 5;
-        }) == "fb784c23459a437a856f6a77e6513ad37b782320615771871bad79e1c5c771cc");
+        }) == "945a55c99f186a05e6806954c50a9162b6b83bff1f4030e9646652b804f3afae");
 }
 
 }  // namespace spm::baker::algorithm_version_test

@@ -100,7 +100,7 @@ TEST_CASE("Boxes at any angle leave a closed surface with the union's volume") {
     const baker::Mesh mesh = load_shape(shape);
     const OuterSurface surface = outer_surface(mesh);
     CHECK(open_length(surface) < 1e-9);
-    CHECK(surface.intersecting > 0);
+    CHECK(surface.intersecting.count > 0);
     const WindingNumber before(mesh.vertices, mesh.triangles);
     const WindingNumber after(surface.vertices, surface.triangles);
     for (int i = 0; i < 300; ++i) {

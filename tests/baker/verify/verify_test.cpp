@@ -57,7 +57,7 @@ VerifyReport verify_with_worst(const test::Shape& truth, const Asset& asset, std
 Asset sheet_asset(const test::Shape& shape, double tolerance) {
   Asset asset = exact_asset(shape, tolerance);
   for (std::uint32_t& word : asset.octree.sides) {
-    const std::uint32_t sheet = pack_traits({.sides = 0x1555, .sheet = true});
+    const std::uint32_t sheet = pack_traits({.sides = 0x1555});
     word = sheet | sheet << 16U;
   }
   // What was listed as of solids is of sheets.

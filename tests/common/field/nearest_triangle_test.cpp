@@ -117,7 +117,9 @@ void compare(const Soup& soup, std::uint64_t places, Differences& found) {
     }
     found.features += nearest.feature != truth.feature ? 1U : 0U;
     const double along = truth.normal.normalized().dot(away);
-    found.signs += std::abs(along) > 1 && (along < 0) != (nearest.along < 0) ? 1U : 0U;
+    // Of ways too slanted to tell a side it is 0.
+    found.signs +=
+        std::abs(along) > 1 && nearest.along != 0 && (along < 0) != (nearest.along < 0) ? 1U : 0U;
   }
 }
 

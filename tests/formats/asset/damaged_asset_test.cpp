@@ -217,11 +217,11 @@ std::vector<Damage> wrong_descriptions() {
   const std::string full = full_bytes();
   const std::string lists = std::to_string(sparse_asset(1).octree.lists.size());
   return {
-      {"a later version", with_header_text(sparse, "\"format_version\":6", "\"format_version\":7"),
-       "format version 7, this program reads 6; a newer spm-bake wrote it, update this one"},
+      {"a later version", with_header_text(sparse, "\"format_version\":7", "\"format_version\":8"),
+       "format version 8, this program reads 7; a newer spm-bake wrote it, update this one"},
       {"the version before",
-       with_header_text(sparse, "\"format_version\":6", "\"format_version\":4"),
-       "format version 4, this program reads 6; an older spm-bake wrote it; bake it again"},
+       with_header_text(sparse, "\"format_version\":7", "\"format_version\":4"),
+       "format version 4, this program reads 7; an older spm-bake wrote it; bake it again"},
       {"tolerance NaN",
        with_header_text(sparse, "\"tolerance\":3.3333333333333335e-05",
                         "\"tolerance\":NaN                   "),

@@ -146,19 +146,19 @@ std::vector<Damage> wrong_lists() {
   };
   return {
       {"a list cut short", with_list(words - 1, list_word(2, 0, surface, false)), cut},
-      {"a list of all triangles there may be", with_list(0, list_word(0x3FFF, 0, surface, false)),
-       cut},
-      {"a list of all sheets there may be", with_list(0, list_word(1, 0x3FFF, surface, true)), cut},
+      {"a list of all triangles there may be",
+       with_list(0, list_word(max_listed_of_kind, 0, surface, false)), cut},
+      {"a list of all sheets there may be",
+       with_list(0, list_word(1, max_listed_of_kind, surface, true)), cut},
       {"a list outside", with_list(words, list_word(1, 0, surface, false)), cut},
       {"a list far outside", with_list(0xFFFFFFFFU, list_word(1, 0, surface, false)), cut},
       {"a list of nothing", with_list(0, list_word(0, 0, surface, false)), empty},
       {"a list of a side that is not",
-       with_list(0, list_word(1, 0, static_cast<ListSide>(3), false)), no_side},
-      {"a list with a later bit", with_list(0, list_word(1, 0, surface, false) | 1U << 31U),
-       no_side},
+       with_list(0, list_word(1, 0, static_cast<ListSide>(list_side_codes), false)), no_side},
       {"a list of a triangle that does not exist", with_numbers({0, 0xFFFF0000U}, false), none},
       {"a wide list of one", with_numbers({0, 0, 0x7FFFFFFFU}, true), none},
-      {"a list from beyond all triangles", with_numbers({0xFFFFFFF0U, 0}, false), none},
+      {"a list from beyond all triangles", with_numbers({list_first_mask, 0}, false), none},
+      {"a list that is crossed beyond its end", with_numbers({0xFFFFFFF0U, 0}, false), cut},
       {"lists that share a part", sparse_with([&](Asset& asset) {
          const auto first = static_cast<std::uint32_t>(asset.octree.lists.size());
          asset.octree.lists.insert(asset.octree.lists.end(), {0, 0, 0});

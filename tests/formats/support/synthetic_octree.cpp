@@ -32,8 +32,8 @@ class OctreeMaker {
     octree.reach = 0.004;
     set_lattice(octree, Vector3(-0.005, -0.005, 0), 1e-6);
     for (std::uint32_t root = 0; root < 4 * 4 * 3; ++root) add_root(root % 3 != 0);
-    add_triangles(surface_, false);
-    add_triangles(sheets_, true);
+    add_triangles(surface_);
+    add_triangles(sheets_);
   }
 
   OctreeData octree;
@@ -127,10 +127,9 @@ class OctreeMaker {
     words.insert(words.end(), packed.words.begin(), packed.words.end());
   }
 
-  void add_triangles(std::uint32_t triangles, bool sheets) {
+  void add_triangles(std::uint32_t triangles) {
     for (std::uint32_t k = 0; k < triangles; ++k) {
       TriangleByHand triangle;
-      triangle.sheet = sheets;
       triangle.thin = below(random_, 4) == 0;
       triangle.bare = below(random_, 2) == 0;
       for (auto& corner : triangle.corners) corner = random_corner();
