@@ -347,7 +347,7 @@ ClosestPoint Caster::closest(const Vector3& point) const {
     result.solid = self.solid_count > 0 ? search.nearest_sheet + self.sheet_thickness : infinity;
   }
   result.distance = result.solid;
-  const Candidate* nearest = solid;
+  const Candidate* nearest = solid != nullptr ? solid : sheet;
   if (sheet != nullptr && sheet->distance - self.sheet_thickness < result.solid) {
     nearest = sheet;
     inside = false;
