@@ -12,7 +12,6 @@
 
 #include "baker/batch/cost.hpp"
 #include "baker/batch/workers.hpp"
-#include "formats/asset/asset_writer.hpp"
 
 namespace spm::baker {
 namespace {

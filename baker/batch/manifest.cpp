@@ -13,7 +13,6 @@
 #include "baker/batch/mesh_pattern.hpp"
 #include "baker/batch/scenes.hpp"
 #include "baker/build/build.hpp"
-#include "formats/asset/asset_writer.hpp"
 #include "formats/files/nearest_word.hpp"
 #include "formats/files/sha256.hpp"
 #include "formats/files/text_file.hpp"

@@ -1,6 +1,8 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "baker/build/build_request.hpp"
 
+#include <fmt/format.h>
+
 #include <algorithm>
 #include <charconv>
 #include <cstdint>
@@ -17,7 +19,6 @@ namespace spm::baker {
 namespace {
 
 constexpr std::uint32_t max_layers = 255;
-constexpr const char* fail_on_words = "open, nonmanifold, selfintersecting, sheets, lids, repaired";
 constexpr std::uint64_t longest_time_limit = 1'000'000;  // s, a week and a half
 
 Result<void> read_layers(const std::string& text, BakeOptions& options) {
@@ -41,6 +42,10 @@ Result<void> read_layers(const std::string& text, BakeOptions& options) {
   return {};
 }
 
+std::string fail_on_words(const char* between) {
+  return fmt::format("{}", fmt::join(finding_words, between));
+}
+
 Result<void> read_fail_on(const std::string& text, FailOn& fail_on) {
   std::istringstream words(text);
   std::string word;
@@ -48,12 +53,12 @@ Result<void> read_fail_on(const std::string& text, FailOn& fail_on) {
   while (std::getline(words, word, ',')) {
     const auto found = std::find(finding_words.begin(), finding_words.end(), word);
     if (found == finding_words.end()) {
-      return fail(ExitCode::usage, "'" + word + "' will not do: write " + fail_on_words +
+      return fail(ExitCode::usage, "'" + word + "' will not do: write " + fail_on_words(", ") +
                                        ", one or several of them with commas between");
     }
     fail_on[static_cast<std::size_t>(found - finding_words.begin())] = any = true;
   }
-  return any ? Result<void>() : fail(ExitCode::usage, std::string("write one of ") + fail_on_words);
+  return any ? Result<void>() : fail(ExitCode::usage, "write one of " + fail_on_words(", "));
 }
 
 void refuse(const std::string& option, const std::string& reason) {
@@ -165,9 +170,8 @@ void add_fail_on(CLI::App& command, FailOn& fail_on) {
       command, "--fail-on",
       [&fail_on](const std::string& text) { return read_fail_on(text, fail_on); },
       "exit with 3, and places, where the mesh has any of these: open edges, edges of more than "
-      "two "
-      "triangles, triangles that cross, sheets, lids, or anything that had to be mended",
-      "open,nonmanifold,selfintersecting,sheets,lids,repaired");
+      "two triangles, triangles that cross, sheets, lids, or anything that had to be mended",
+      fail_on_words(","));
 }
 
 void add_build_options(CLI::App& command, BuildRequest& request) {

@@ -53,10 +53,11 @@ struct Caster::Implementation {
   double sheet_thickness = 0;
   Vector3 centre = Vector3::Zero();
   double diagonal = 0;
-  std::optional<WindingNumber> winding;
-  std::unique_ptr<Caster> whole;  ///< over OuterSurface::sides
+  /// What tells the side where the solids' triangles do not: OuterSurface::sides, and a caster over
+  /// them. Else the triangles' own winding number.
   std::shared_ptr<const ClosedSurfaces> sides;
-  double gap = 0;  ///< m
+  std::unique_ptr<Caster> whole;
+  std::optional<WindingNumber> winding;
 
   ~Implementation() {
     if (rays != nullptr) rtcReleaseScene(rays);
@@ -197,9 +198,7 @@ Caster::Caster(const OuterSurface& surface, double sheet_thickness)
     whole.triangles = surface.sides->triangles;
     whole.solid_count = whole.triangles.size();
     self.whole = std::make_unique<Caster>(whole);
-    self.gap = surface.sides->gap;
     self.sides = surface.sides;
-    self.winding.emplace(surface.sides->vertices, surface.sides->triangles);
   } else {
     self.winding.emplace(surface.vertices, std::span(surface.triangles).first(self.solid_count));
   }
@@ -365,8 +364,9 @@ ClosestPoint Caster::closest(const Vector3& point) const {
 bool Caster::surrounds(const Vector3& point, double away) const {
   if (winding(point) > 0.5) return true;
   const Caster* all = whole();
-  const double gap = implementation_->gap;
-  if (all == nullptr || away <= 2 * gap) return false;
+  if (all == nullptr) return false;
+  const double gap = implementation_->sides->gap;
+  if (away <= 2 * gap) return false;
   std::vector<std::uint32_t> near;
   all->within(point, gap, near);
   return std::any_of(near.begin(), near.end(), [&](std::uint32_t wall) {
@@ -377,7 +377,10 @@ bool Caster::surrounds(const Vector3& point, double away) const {
 
 const Caster* Caster::whole() const { return implementation_->whole.get(); }
 
-double Caster::winding(const Vector3& point) const { return implementation_->winding->at(point); }
+double Caster::winding(const Vector3& point) const {
+  const Caster* all = whole();
+  return all != nullptr ? all->winding(point) : implementation_->winding->at(point);
+}
 
 void Caster::within(const Vector3& point, double radius,
                     std::vector<std::uint32_t>& triangles) const {

@@ -2,7 +2,6 @@
 #include "baker/surface/outer_surface.hpp"
 
 #include <tbb/parallel_for.h>
-#include <tbb/parallel_sort.h>
 
 #include <algorithm>
 #include <array>
@@ -14,6 +13,7 @@
 #include <utility>
 
 #include "baker/mesh/join_vertices.hpp"
+#include "baker/mesh/mesh_edges.hpp"
 #include "baker/mesh/winding_number.hpp"
 #include "baker/surface/self_intersection.hpp"
 #include "baker/surface/triangle_split.hpp"
@@ -195,29 +195,19 @@ void drop_hairs(const Mesh& mesh, OuterSurface& surface, std::vector<std::uint32
   std::vector<std::uint32_t> joined(surface.vertices.size());
   std::iota(joined.begin(), joined.end(), 0U);
   if (distance > 0) joined = join_vertices(surface.vertices, distance);
-  std::vector<std::pair<std::uint64_t, int>> sides;
-  sides.reserve(3 * surface.solid_count);
-  for (std::size_t t = 0; t < surface.solid_count; ++t) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::uint32_t from = joined[surface.triangles[t][k]],
-                          to = joined[surface.triangles[t][(k + 1) % 3]];
-      if (from == to) continue;
-      const auto [low, high] = std::minmax(from, to);
-      sides.emplace_back(std::uint64_t{low} << 32U | high, low == from ? 1 : -1);
-    }
+  std::vector<Triangle> solids(
+      surface.triangles.begin(),
+      surface.triangles.begin() + static_cast<std::ptrdiff_t>(surface.solid_count));
+  for (Triangle& triangle : solids) {
+    for (std::uint32_t& corner : triangle) corner = joined[corner];
   }
-  tbb::parallel_sort(sides);
   std::vector<std::uint32_t> open;
-  for (auto first = sides.begin(); first != sides.end();) {
-    int balance = 0;
-    auto last = first;
-    for (; last != sides.end() && last->first == first->first; ++last) balance += last->second;
-    if (balance != 0) {
-      open.push_back(static_cast<std::uint32_t>(first->first >> 32U));
-      open.push_back(static_cast<std::uint32_t>(first->first));
-    }
-    first = last;
-  }
+  for_each_edge(sorted_edges(solids), [&](std::span<const HalfEdge> users) {
+    const auto forward = std::count_if(users.begin(), users.end(),
+                                       [](const HalfEdge& user) { return user.forward; });
+    if (users[0].low == users[0].high || 2 * forward == std::ssize(users)) return;
+    open.insert(open.end(), {users[0].low, users[0].high});
+  });
   return open;
 }
 
