@@ -4,7 +4,7 @@
 #include <vector>
 
 #include "baker/cast/cast.hpp"
-#include "baker/field/sliver_removal.hpp"
+#include "baker/mesh/sliver_removal.hpp"
 
 namespace spm::baker {
 

@@ -12,8 +12,8 @@
 #include <tuple>
 #include <utility>
 
-#include "baker/field/triangle_height.hpp"
 #include "baker/field/triangle_sides.hpp"
+#include "baker/mesh/triangle_height.hpp"
 
 namespace spm::baker {
 
@@ -191,6 +191,8 @@ class Neighbours {
       const std::uint32_t t = TriangleSides::use(number).triangle;
       around.push_back({normals_[t], 1, t});
       if (thin_[t] > thin_[triangle]) {
+        // Where parts nearly touch, what is beside them may be beyond the thin one.
+        if (surface_.sides) return FeatureSide::by_crossings;
         simple = false;
         continue;
       }

@@ -9,8 +9,8 @@
 
 #include "baker/field/edge_collapse.hpp"
 #include "baker/field/feature_sides.hpp"
-#include "baker/field/sliver_removal.hpp"
-#include "baker/field/triangle_height.hpp"
+#include "baker/mesh/sliver_removal.hpp"
+#include "baker/mesh/triangle_height.hpp"
 #include "common/field/indexed_triangles.hpp"
 #include "common/field/side_by_crossings.hpp"
 

@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
-#include "baker/field/triangle_height.hpp"
+#include "baker/mesh/triangle_height.hpp"
 
 namespace spm::baker {
 

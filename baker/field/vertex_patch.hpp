@@ -9,7 +9,7 @@
 #include <span>
 #include <vector>
 
-#include "baker/field/sliver_removal.hpp"
+#include "baker/mesh/sliver_removal.hpp"
 
 namespace spm::baker {
 

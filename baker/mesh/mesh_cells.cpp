@@ -1,98 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "baker/mesh/mesh_cells.hpp"
 
-#include <CGAL/Exact_rational.h>
-#include <CGAL/Simple_cartesian.h>
-
 #include <algorithm>
 #include <cstdint>
 #include <map>
-#include <optional>
 #include <utility>
 
 #include "baker/base/groups.hpp"
 #include "baker/mesh/mesh_edges.hpp"
 #include "baker/mesh/mesh_repair.hpp"
+#include "baker/mesh/triangle_fan.hpp"
 
 namespace spm::baker {
 namespace {
-
-// Few meshes have such edges, so that no filter in doubles is worth its place.
-using Kernel = CGAL::Simple_cartesian<CGAL::Exact_rational>;
-
-[[nodiscard]] Kernel::Point_3 exact(const Vector3& p) { return {p.x(), p.y(), p.z()}; }
-
-/// On which side of the plane through three points a point lies: 1 where they turn
-/// counter-clockwise as seen from it, -1 on the other side, 0 in the plane.
-[[nodiscard]] int side_of_plane(const Vector3& a, const Vector3& b, const Vector3& c,
-                                const Vector3& point) {
-  return CGAL::orientation(exact(a), exact(b), exact(c), exact(point));
-}
-
-/// Whether two points of a plane through a line, none of them on it, lie on one side of the line.
-[[nodiscard]] bool same_side_of_line(const Vector3& a, const Vector3& b, const Vector3& one,
-                                     const Vector3& other) {
-  return CGAL::coplanar_orientation(exact(a), exact(b), exact(one), exact(other)) == CGAL::POSITIVE;
-}
-
-/// Where a triangle stands around an edge, as seen from a first one.
-enum class Turn { none, less_than_half, half, more_than_half };
-
-/// The triangles at an edge in the order in which they stand around it.
-class Fan {
- public:
-  Fan(std::span<const Vector3> points, const std::vector<Triangle>& triangles,
-      std::span<const HalfEdge> users)
-      : a_(points[users[0].low]), b_(points[users[0].high]) {
-    for (const HalfEdge& user : users) {
-      for (const std::uint32_t corner : triangles[user.triangle]) {
-        if (corner == user.low || corner == user.high) continue;
-        leaves_.push_back({points[corner], user});
-      }
-    }
-  }
-
-  /// Counter-clockwise, as seen against the edge's direction from low to high; nothing where two of
-  /// them lie on one another.
-  [[nodiscard]] std::optional<std::vector<HalfEdge>> in_order() {
-    for (std::size_t i = 1; i < leaves_.size(); ++i) leaves_[i].turn = turn_of(leaves_[i].tip);
-    std::sort(leaves_.begin() + 1, leaves_.end(), [&](const Leaf& one, const Leaf& other) {
-      if (one.turn != other.turn) return one.turn < other.turn;
-      return side_of_plane(a_, b_, one.tip, other.tip) > 0;
-    });
-    std::vector<HalfEdge> order;
-    for (std::size_t i = 0; i < leaves_.size(); ++i) {
-      if (i > 0 && !apart(leaves_[i - 1], leaves_[i])) return std::nullopt;
-      order.push_back(leaves_[i].user);
-    }
-    return order;
-  }
-
- private:
-  struct Leaf {
-    Vector3 tip;
-    HalfEdge user;
-    Turn turn = Turn::none;
-  };
-
-  [[nodiscard]] Turn turn_of(const Vector3& tip) const {
-    const Vector3& first = leaves_[0].tip;
-    const int side = side_of_plane(a_, b_, first, tip);
-    if (side != 0) {
-      return side > 0 ? Turn::less_than_half : Turn::more_than_half;
-    }
-    return same_side_of_line(a_, b_, first, tip) ? Turn::none : Turn::half;
-  }
-
-  [[nodiscard]] bool apart(const Leaf& one, const Leaf& next) const {
-    if (one.turn != next.turn) return true;
-    return (one.turn == Turn::less_than_half || one.turn == Turn::more_than_half) &&
-           side_of_plane(a_, b_, one.tip, next.tip) != 0;
-  }
-
-  Vector3 a_, b_;
-  std::vector<Leaf> leaves_;
-};
 
 /// The parts that are looked at: crowded at some edge, and made of patches that are not all closed.
 [[nodiscard]] std::vector<char> divided_parts(std::span<const Vector3> points,
@@ -138,13 +58,16 @@ class Fan {
   for_each_edge(edges, [&](std::span<const HalfEdge> users) {
     char& wanted = divided[parts.of(users[0].triangle)];
     if (wanted == 0) return;
-    const auto order = Fan(points, triangles, users).in_order();
-    if (!order) {
+    const std::vector<FanLeaf> fan = triangle_fan(triangles, users, [&](std::uint32_t vertex) {
+      const Vector3& p = points[vertex];
+      return ExactKernel::Point_3(p.x(), p.y(), p.z());
+    });
+    if (std::any_of(fan.begin(), fan.end(), [](const FanLeaf& leaf) { return leaf.on_last; })) {
       wanted = 0;
       return;
     }
-    for (std::size_t i = 0; i < order->size(); ++i) {
-      const HalfEdge &one = (*order)[i], &next = (*order)[(i + 1) % order->size()];
+    for (std::size_t i = 0; i < fan.size(); ++i) {
+      const HalfEdge &one = fan[i].user, &next = fan[(i + 1) % fan.size()].user;
       // The normal of one that runs from low to high points to the next.
       cells.join(one.forward ? front(one.triangle) : back(one.triangle),
                  next.forward ? back(next.triangle) : front(next.triangle));

@@ -1,11 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "baker/surface/outer_surface.hpp"
 
-#include <tbb/parallel_for.h>
-
 #include <algorithm>
-#include <array>
-#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <numeric>
@@ -14,190 +10,67 @@
 
 #include "baker/mesh/join_vertices.hpp"
 #include "baker/mesh/mesh_edges.hpp"
+#include "baker/mesh/sliver_removal.hpp"
+#include "baker/mesh/triangle_height.hpp"
 #include "baker/mesh/winding_number.hpp"
+#include "baker/surface/narrow_gaps.hpp"
+#include "baker/surface/piece_winding.hpp"
 #include "baker/surface/self_intersection.hpp"
 #include "baker/surface/triangle_split.hpp"
-#include "common/surface/closest_on_triangle.hpp"
 
 namespace spm::baker {
 namespace {
 
-[[nodiscard]] Vector3 twice_area(std::span<const Vector3> points, const Triangle& t) {
-  return (points[t[1]] - points[t[0]]).cross(points[t[2]] - points[t[0]]);
+/// Vertices closer than this share of the diagonal are one, and triangles lower than it go: where
+/// surfaces cross at next to no angle, rounding leaves hairs.
+constexpr double hair = 1e-7;
+
+[[nodiscard]] double area_of(std::span<const Vector3> points, const Triangle& t) {
+  return (points[t[1]] - points[t[0]]).cross(points[t[2]] - points[t[0]]).norm() / 2;
 }
 
-[[nodiscard]] Vector3 centroid(std::span<const Vector3> points, const Triangle& t) {
-  return (points[t[0]] + points[t[1]] + points[t[2]]) / 3;
-}
-
-/// True where a point of the triangle's plane lies within it.
-[[nodiscard]] bool covers(std::span<const Vector3> points, const Triangle& t,
-                          const Vector3& point) {
-  const Vector3 normal = twice_area(points, t);
-  for (std::size_t k = 0; k < 3; ++k) {
-    const Vector3& from = points[t[k]];
-    if ((points[t[(k + 1) % 3]] - from).cross(point - from).dot(normal) < 0) return false;
-  }
-  return true;
-}
-
-/// Whether a triangle is no higher than a distance, m.
-[[nodiscard]] bool is_lower(std::span<const Vector3> points, const Triangle& t, double height) {
-  const Vector3 &a = points[t[0]], &b = points[t[1]], &c = points[t[2]];
-  const double longest = std::max({(b - a).norm(), (c - b).norm(), (a - c).norm()});
-  return twice_area(points, t).norm() <= height * longest;
-}
-
-/// Decides for each piece whether it is felt.
-class Judge {
- public:
-  Judge(const Mesh& mesh, const SplitMesh& split, double narrow)
-      : mesh_(mesh),
-        split_(split),
-        narrow_(narrow),
-        winding_(mesh.vertices, std::span(mesh.triangles).first(mesh.solid_triangles())) {}
-
-  [[nodiscard]] std::vector<char> felt_pieces() const {
-    std::vector<char> kept(split_.pieces.size(), 0);
-    tbb::parallel_for(std::size_t{0}, kept.size(), [&](std::size_t piece) {
-      const bool sheet = split_.parents[piece] >= mesh_.solid_triangles();
-      kept[piece] = is_felt(piece, sheet) && (sheet || !repeated(piece)) ? 1 : 0;
-    });
-    return kept;
-  }
-
- private:
-  /// Whether a piece bounds the solid, or of a sheet, whether both its sides are outside.
-  [[nodiscard]] bool is_felt(std::size_t piece, bool sheet) const {
-    const Triangle& t = split_.pieces[piece];
-    const Vector3 twice = twice_area(split_.points, t);
-    const double size = twice.norm();
-    const Vector3 middle = centroid(split_.points, t);
-    // Close enough to have no other surface in between, and far enough to be clear of rounding.
-    constexpr double kFarthest = 1e-7;
-    constexpr double kNearest = 1e-10;
-    const double width = std::sqrt(size);
-    const double offset =
-        std::clamp(1e-3 * width, kNearest * mesh_.diagonal, kFarthest * mesh_.diagonal);
-    // A sheet that lies on a solid, or within a narrow gap of it, is none.
-    const Vector3 step = (sheet ? std::max(offset, narrow_) : offset) / size * twice;
-    const double outside = winding_.at(middle + step);
-    if (sheet) return outside < 0.5 && winding_.at(middle - step) < 0.5;
-    // Across a single layer the winding number steps by one.
-    const bool single = is_whole(piece) && !overlaps(split_.parents[piece]);
-    const double inside = single ? outside + 1 : winding_.at(middle - step);
-    return inside >= 0.5 && outside < 0.5 && !closed_gap(piece, middle, twice / size);
-  }
-
-  /// Whether a piece bounds a gap that is too narrow to count: another faces it, and beyond that is
-  /// a solid.
-  [[nodiscard]] bool closed_gap(std::size_t piece, const Vector3& middle,
-                                const Vector3& normal) const {
-    const std::uint32_t parent = split_.parents[piece];
-    const auto partners = partners_of(split_.facing, parent);
-    const bool faced = std::any_of(partners.begin(), partners.end(), [&](const TrianglePair& pair) {
-      if (pair.second >= mesh_.solid_triangles()) return false;
-      const Triangle& t = mesh_.triangles[pair.second];
-      const Vector3 closest = closest_on_triangle(middle, mesh_.vertices[t[0]],
-                                                  mesh_.vertices[t[1]], mesh_.vertices[t[2]]);
-      return (closest - middle).norm() <= 2 * narrow_;
-    });
-    if (!faced && !is_low(piece)) return false;
-    // Also where there is another such gap behind the next wall.
-    constexpr std::array<double, 3> shares{1, 0.25, 0.0625};
-    return std::any_of(shares.begin(), shares.end(), [&](double share) {
-      return winding_.at(middle + share * narrow_ * normal) >= 0.5;
-    });
-  }
-
-  /// Whether a piece is a sliver that is left of a triangle where parts cross.
-  [[nodiscard]] bool is_low(std::size_t piece) const {
-    return !is_whole(piece) && is_lower(split_.points, split_.pieces[piece], narrow_);
-  }
-  /// Whether a triangle was not cut.
-  [[nodiscard]] bool is_whole(std::size_t piece) const {
-    return split_.pieces[piece] == mesh_.triangles[split_.parents[piece]];
-  }
-
-  /// Those of sorted pairs of which a triangle is the first.
-  [[nodiscard]] static std::span<const TrianglePair> partners_of(
-      const std::vector<TrianglePair>& pairs, std::uint32_t triangle) {
-    const auto first = std::lower_bound(pairs.begin(), pairs.end(), TrianglePair(triangle, 0));
-    const auto last = std::find_if(
-        first, pairs.end(), [&](const TrianglePair& pair) { return pair.first != triangle; });
-    return {first, last};
-  }
-
-  [[nodiscard]] bool overlaps(std::uint32_t triangle) const {
-    return !partners_of(split_.coplanar, triangle).empty();
-  }
-
-  /// Of pieces that lie on one another and face the same way, only that of the first triangle
-  /// stays.
-  [[nodiscard]] bool repeated(std::size_t piece) const {
-    const std::uint32_t parent = split_.parents[piece];
-    for (const TrianglePair& pair : partners_of(split_.coplanar, parent)) {
-      if (pair.second > parent) continue;
-      const Triangle& other = mesh_.triangles[pair.second];
-      const bool same_way = twice_area(mesh_.vertices, other)
-                                .dot(twice_area(mesh_.vertices, mesh_.triangles[parent])) > 0;
-      if (same_way &&
-          covers(mesh_.vertices, other, centroid(split_.points, split_.pieces[piece]))) {
-        return true;
+/// The pieces that bound the union of the solids, and all of sheets.
+[[nodiscard]] std::vector<LooseTriangle> bounding_pieces(const Mesh& mesh, const SplitMesh& split,
+                                                         OuterSurface& surface) {
+  const auto solids = static_cast<std::size_t>(
+      std::lower_bound(split.parents.begin(), split.parents.end(), mesh.solid_triangles()) -
+      split.parents.begin());
+  const WindingNumber winding(mesh.vertices,
+                              std::span(mesh.triangles).first(mesh.solid_triangles()));
+  const std::vector<PieceWinding> sides = winding_of_pieces(split, solids, winding, mesh.diagonal);
+  std::vector<LooseTriangle> loose;
+  for (std::size_t piece = 0; piece < split.pieces.size(); ++piece) {
+    LooseTriangle one{split.pieces[piece], piece >= solids, false, split.parents[piece]};
+    if (!one.sheet) {
+      const PieceWinding& here = sides[piece];
+      if ((here.front > 0) == (here.back > 0) || here.repeated) {
+        ++surface.hidden;
+        surface.hidden_area += area_of(split.points, one.corners);
+        continue;
       }
+      if (here.front > 0) std::swap(one.corners[1], one.corners[2]);
     }
-    return false;
+    loose.push_back(one);
   }
-
-  const Mesh& mesh_;
-  const SplitMesh& split_;
-  double narrow_;  ///< m
-  WindingNumber winding_;
-};
-
-/// Joins vertices that are closer than this share of the diagonal, and drops the triangles that
-/// this leaves without area: where surfaces cross at next to no angle, rounding leaves hairs.
-constexpr double kHair = 1e-7;
-
-template <class IsGone>
-void drop(OuterSurface& surface, std::vector<std::uint32_t>& parents, const IsGone& is_gone) {
-  std::size_t kept = 0, solids = 0;
-  for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
-    if (is_gone(surface.triangles[t])) continue;
-    solids += t < surface.solid_count ? 1 : 0;
-    surface.triangles[kept] = surface.triangles[t];
-    parents[kept++] = parents[t];
-  }
-  surface.triangles.resize(kept);
-  parents.resize(kept);
-  surface.solid_count = solids;
+  return loose;
 }
 
-void join_hairs(const Mesh& mesh, OuterSurface& surface, std::vector<std::uint32_t>& parents) {
-  const std::vector<std::uint32_t> joined = join_vertices(surface.vertices, kHair * mesh.diagonal);
-  for (Triangle& triangle : surface.triangles) {
-    for (std::uint32_t& corner : triangle) corner = joined[corner];
+[[nodiscard]] std::vector<Triangle> solids_among(const std::vector<LooseTriangle>& loose) {
+  std::vector<Triangle> solids;
+  for (const LooseTriangle& one : loose) {
+    if (!one.sheet) solids.push_back(one.corners);
   }
-  drop(surface, parents,
-       [](const Triangle& t) { return t[0] == t[1] || t[1] == t[2] || t[2] == t[0]; });
-}
-
-/// Drops hairs that are longer: alone they may reach into the solid.
-void drop_hairs(const Mesh& mesh, OuterSurface& surface, std::vector<std::uint32_t>& parents) {
-  drop(surface, parents,
-       [&](const Triangle& t) { return is_lower(surface.vertices, t, kHair * mesh.diagonal); });
+  return solids;
 }
 
 /// The vertices of sides that the solids' triangles pass more often one way than the other, where
 /// vertices within a distance, m, are one.
-[[nodiscard]] std::vector<std::uint32_t> open_vertices(const OuterSurface& surface,
-                                                       double distance) {
-  std::vector<std::uint32_t> joined(surface.vertices.size());
+[[nodiscard]] std::vector<std::uint32_t> open_vertices(const std::vector<Vector3>& vertices,
+                                                       std::vector<Triangle> solids,
+                                                       double distance = 0) {
+  std::vector<std::uint32_t> joined(vertices.size());
   std::iota(joined.begin(), joined.end(), 0U);
-  if (distance > 0) joined = join_vertices(surface.vertices, distance);
-  std::vector<Triangle> solids(
-      surface.triangles.begin(),
-      surface.triangles.begin() + static_cast<std::ptrdiff_t>(surface.solid_count));
+  if (distance > 0) joined = join_vertices(vertices, distance);
   for (Triangle& triangle : solids) {
     for (std::uint32_t& corner : triangle) corner = joined[corner];
   }
@@ -211,48 +84,62 @@ void drop_hairs(const Mesh& mesh, OuterSurface& surface, std::vector<std::uint32
   return open;
 }
 
-/// Keeps all of the mesh's solids to tell sides, and says beside which triangles they must: those
-/// at open sides, and those that others lie along.
-void keep_sides(const Mesh& mesh, double narrow, const SplitMesh& split,
-                const std::vector<std::uint32_t>& parents, OuterSurface& surface) {
-  std::vector<char> open(surface.vertices.size(), 0);
-  for (const std::uint32_t vertex : open_vertices(surface, 0)) open[vertex] = 1;
-  std::vector<char> along(mesh.triangles.size(), 0);
-  for (const auto* pairs : {&split.facing, &split.coplanar}) {
-    for (const TrianglePair& pair : *pairs) along[pair.first] = 1;
-  }
-  auto sides = std::make_shared<ClosedSurfaces>();
-  sides->vertices = mesh.vertices;
-  sides->triangles.assign(
-      mesh.triangles.begin(),
-      mesh.triangles.begin() + static_cast<std::ptrdiff_t>(mesh.solid_triangles()));
-  sides->gap = 1.5 * narrow;
-  for (std::size_t t = 0; t < surface.solid_count; ++t) {
-    const Triangle& corners = surface.triangles[t];
-    const bool at_open = std::any_of(corners.begin(), corners.end(),
-                                     [&](std::uint32_t corner) { return open[corner] != 0; });
-    sides->doubtful.push_back(at_open || along[parents[t]] != 0 ? 1 : 0);
-  }
-  surface.sides = std::move(sides);
-}
-
-/// Keeps the vertices that triangles refer to.
-void compact(OuterSurface& surface) {
-  std::vector<char> used(surface.vertices.size(), 0);
-  for (const Triangle& triangle : surface.triangles) {
+/// Keeps vertices that triangles refer to.
+void compact(std::vector<Vector3>& vertices, std::vector<Triangle>& triangles) {
+  std::vector<char> used(vertices.size(), 0);
+  for (const Triangle& triangle : triangles) {
     for (const std::uint32_t corner : triangle) used[corner] = 1;
   }
-  std::vector<std::uint32_t> renumbered(surface.vertices.size(), 0);
+  std::vector<std::uint32_t> renumbered(vertices.size(), 0);
   std::uint32_t count = 0;
   for (std::size_t i = 0; i < used.size(); ++i) {
     if (used[i] == 0) continue;
-    surface.vertices[count] = surface.vertices[i];
+    vertices[count] = vertices[i];
     renumbered[i] = count++;
   }
-  surface.vertices.resize(count);
-  for (Triangle& triangle : surface.triangles) {
+  vertices.resize(count);
+  for (Triangle& triangle : triangles) {
     for (std::uint32_t& corner : triangle) corner = renumbered[corner];
   }
+}
+
+/// Closes narrow gaps. Where what is left does not close, nor will on a lattice, the solids'
+/// boundary as it was tells sides: beside triangles at open sides and those that others face.
+void close_gaps(const Mesh& mesh, std::span<const TrianglePair> facing, double narrow,
+                OuterSurface& surface, std::vector<LooseTriangle>& loose) {
+  auto sides = std::make_shared<ClosedSurfaces>();
+  sides->vertices = surface.vertices;
+  sides->triangles = solids_among(loose);
+  const WindingNumber winding(sides->vertices, sides->triangles);
+  Felt left = without_narrow_gaps(mesh, facing, narrow, winding, surface.vertices, loose);
+  surface.hidden += left.hidden;
+  surface.hidden_area += left.hidden_area;
+  loose = std::move(left.triangles);
+  const std::vector<Triangle> felt = solids_among(loose);
+  if (open_vertices(surface.vertices, felt).empty() ||
+      open_vertices(surface.vertices, felt, narrow).empty()) {
+    return;
+  }
+  // Alone, hairs may reach into the solid.
+  std::erase_if(loose, [&](const LooseTriangle& one) {
+    const auto& [a, b, c] = one.corners;
+    return triangle_height(surface.vertices[a], surface.vertices[b], surface.vertices[c]) <=
+           hair * mesh.diagonal;
+  });
+  std::vector<char> doubtful(surface.vertices.size(), 0), faced(mesh.triangles.size(), 0);
+  for (const std::uint32_t vertex : open_vertices(surface.vertices, solids_among(loose))) {
+    doubtful[vertex] = 1;
+  }
+  for (const auto& [one, other] : facing) faced[one] = faced[other] = 1;
+  for (const LooseTriangle& one : loose) {
+    if (one.sheet) continue;
+    const bool at_open = std::any_of(one.corners.begin(), one.corners.end(),
+                                     [&](std::uint32_t corner) { return doubtful[corner] != 0; });
+    sides->doubtful.push_back(at_open || faced[one.parent] != 0 ? 1 : 0);
+  }
+  sides->gap = 1.5 * narrow;
+  compact(sides->vertices, sides->triangles);
+  surface.sides = std::move(sides);
 }
 
 }  // namespace
@@ -269,29 +156,20 @@ OuterSurface outer_surface(const Mesh& mesh, double narrow) {
     surface.solid_count = mesh.triangles.size();
     return surface;
   }
-  SplitMesh split = split_triangles(mesh.vertices, mesh.triangles, pairs);
-  const std::vector<char> kept = Judge(mesh, split, narrow).felt_pieces();
-  surface.vertices = split.points;
-  std::vector<std::uint32_t> parents;
+  const SplitMesh split =
+      split_triangles(mesh.vertices, mesh.triangles, pairs.crossing, mesh.solid_triangles());
   surface.intersecting = split.split;
-  for (std::size_t piece = 0; piece < kept.size(); ++piece) {
-    if (kept[piece] != 0) {
-      surface.triangles.push_back(split.pieces[piece]);
-      parents.push_back(split.parents[piece]);
-      surface.solid_count += split.parents[piece] < mesh.solid_triangles() ? 1 : 0;
-    } else {
-      ++surface.hidden;
-      surface.hidden_area += twice_area(split.points, split.pieces[piece]).norm() / 2;
-    }
+  surface.vertices = split.points;
+  std::vector<LooseTriangle> loose = bounding_pieces(mesh, split, surface);
+  (void)remove_slivers(surface.vertices, hair * mesh.diagonal, loose);
+  if (!pairs.facing.empty() || mesh.solid_triangles() < mesh.triangles.size()) {
+    close_gaps(mesh, pairs.facing, narrow, surface, loose);
   }
-  join_hairs(mesh, surface, parents);
-  // The lattice joins what a narrow gap left open.
-  if (!open_vertices(surface, 0).empty() &&
-      !(narrow > 0 && open_vertices(surface, narrow).empty())) {
-    drop_hairs(mesh, surface, parents);
-    keep_sides(mesh, narrow, split, parents, surface);
+  for (const LooseTriangle& one : loose) {
+    surface.triangles.push_back(one.corners);
+    surface.solid_count += one.sheet ? 0 : 1;
   }
-  compact(surface);
+  compact(surface.vertices, surface.triangles);
   return surface;
 }
 

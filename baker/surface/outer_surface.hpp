@@ -29,15 +29,15 @@ struct OuterSurface {
   std::size_t hidden = 0;       ///< pieces removed because they lie inside other parts
   Counted intersecting;         ///< triangles of the mesh that were split; a vertex of the mesh
   double hidden_area = 0;       ///< m2
-  /// All triangles of the solids as they were, where those that are felt do not close, as rounding
-  /// may leave them between parts that touch; else nothing, and the felt ones tell the side.
+  /// The solids' boundary before narrow gaps were closed, where what is felt does not close any
+  /// more; else nothing, and what is felt tells the side.
   std::shared_ptr<const ClosedSurfaces> sides;
 
   [[nodiscard]] bool has_sheets() const noexcept { return solid_count < triangles.size(); }
 };
 
-/// Splits triangles along their intersections with solids. Keeps of solids the pieces across which
-/// their winding number passes one half, and of sheets those that lie outside. Gaps between
+/// Splits triangles along their intersections with solids. Keeps of solids the pieces that have
+/// their outside on one side, which close, and of sheets those that lie outside. Gaps between
 /// triangles that face each other within `narrow`, m, are closed: what bounds them goes.
 [[nodiscard]] OuterSurface outer_surface(const Mesh& mesh, double narrow = 0);
 

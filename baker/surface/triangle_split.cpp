@@ -5,26 +5,22 @@
 #define CGAL_NO_CDT_2_WARNING
 #include <CGAL/Constrained_Delaunay_triangulation_2.h>
 #include <CGAL/Constrained_triangulation_face_base_2.h>
-#include <CGAL/Exact_predicates_exact_constructions_kernel.h>
 #include <CGAL/Triangulation_vertex_base_with_info_2.h>
 
 #include <algorithm>
 #include <array>
-#include <cmath>
 #include <map>
+
+#include "baker/mesh/triangle_height.hpp"
 
 namespace spm::baker {
 namespace {
 
-// Not thread-safe in CGAL 5.5, so all of it stays on the calling thread.
-using Exact = CGAL::Exact_predicates_exact_constructions_kernel;
+using Exact = ExactKernel;
 using Vertex = CGAL::Triangulation_vertex_base_with_info_2<std::uint32_t, Exact>;
 using Face = CGAL::Constrained_triangulation_face_base_2<Exact>;
 using Triangulation = CGAL::Constrained_Delaunay_triangulation_2<
     Exact, CGAL::Triangulation_data_structure_2<Vertex, Face>, CGAL::Exact_intersections_tag>;
-
-/// Height over the longest side, relative to the diagonal. A piece below this is only rounding.
-constexpr double kThinnest = 1e-13;
 
 /// The traces of other triangles on one: points and segments of its own plane.
 struct Cuts {
@@ -68,20 +64,13 @@ class Projection {
     return {p[first_], p[second_]};
   }
 
-  /// The point of the plane over q, and the same rounded.
-  [[nodiscard]] Exact::Point_3 exact_up(const Exact::Point_2& q) const {
+  /// The point of the plane over q.
+  [[nodiscard]] Exact::Point_3 up(const Exact::Point_2& q) const {
     std::array<Exact::FT, 3> p;
     p[static_cast<std::size_t>(first_)] = q.x();
     p[static_cast<std::size_t>(second_)] = q.y();
     p[static_cast<std::size_t>(drop_)] = height(q);
     return {p[0], p[1], p[2]};
-  }
-  [[nodiscard]] Vector3 up(const Exact::Point_2& q) const {
-    Vector3 p;
-    p[first_] = rounded(q.x());
-    p[second_] = rounded(q.y());
-    p[drop_] = rounded(height(q));
-    return p;
   }
 
  private:
@@ -100,46 +89,48 @@ class Splitter {
   Splitter(std::span<const Vector3> points, std::span<const Triangle> triangles)
       : points_(points), triangles_(triangles) {
     mesh_.points.assign(points.begin(), points.end());
-    Eigen::AlignedBox3d box;
-    for (const Vector3& point : points) box.extend(point);
-    thinnest_ = kThinnest * box.diagonal().norm();
-    for (std::uint32_t i = 0; i < points.size(); ++i) numbers_.try_emplace(key(points[i]), i);
+    for (std::uint32_t i = 0; i < points.size(); ++i) numbers_[key(points[i])].push_back(i);
   }
 
-  void intersect(const TrianglePair& pair) {
+  /// Cuts the triangles of a pair along what they share, or the second alone.
+  void intersect(const TrianglePair& pair, bool second_alone) {
     // An Object, since CGAL 5 and 6 return variants of different libraries.
     const CGAL::Object common = CGAL::intersection(triangle(pair.first), triangle(pair.second));
     if (common.empty()) return;
     Cuts cuts;
-    bool overlap = false;
     if (const auto* point = CGAL::object_cast<Exact::Point_3>(&common)) {
       cuts.points.push_back(*point);
     } else if (const auto* segment = CGAL::object_cast<Exact::Segment_3>(&common)) {
       cuts.segments.emplace_back(segment->source(), segment->target());
     } else if (const auto* face = CGAL::object_cast<Exact::Triangle_3>(&common)) {
       add_outline({face->vertex(0), face->vertex(1), face->vertex(2)}, cuts);
-      overlap = true;
     } else if (const auto* outline = CGAL::object_cast<std::vector<Exact::Point_3>>(&common)) {
       add_outline(*outline, cuts);
-      overlap = true;
-    }
-    if (overlap) {
-      mesh_.coplanar.push_back(pair);
-      mesh_.coplanar.emplace_back(pair.second, pair.first);
     }
     for (const std::uint32_t side : {pair.first, pair.second}) {
+      if (second_alone && side == pair.first) continue;
       Cuts& own = cuts_[side];
       own.points.insert(own.points.end(), cuts.points.begin(), cuts.points.end());
       own.segments.insert(own.segments.end(), cuts.segments.begin(), cuts.segments.end());
     }
   }
 
-  /// Cuts two triangles that face each other along each other's outlines.
-  void outline(const TrianglePair& pair) {
-    mesh_.facing.push_back(pair);
-    mesh_.facing.emplace_back(pair.second, pair.first);
-    cut_by_outline(pair.first, pair.second);
-    cut_by_outline(pair.second, pair.first);
+  /// Cuts a triangle along the outline of another, as seen along its normal.
+  void outline(std::uint32_t index, const std::array<Vector3, 3>& other) {
+    const std::array<Exact::Point_3, 3> own = corners(index);
+    const Projection projection(own);
+    const auto flat = [&](const Vector3& point) {
+      return projection.up(projection.down(exact_point(point)));
+    };
+    const Exact::Triangle_3 shadow(flat(other[0]), flat(other[1]), flat(other[2]));
+    const CGAL::Object common =
+        CGAL::intersection(Exact::Triangle_3(own[0], own[1], own[2]), shadow);
+    Cuts& cuts = cuts_[index];
+    if (const auto* face = CGAL::object_cast<Exact::Triangle_3>(&common)) {
+      add_outline({face->vertex(0), face->vertex(1), face->vertex(2)}, cuts);
+    } else if (const auto* outline = CGAL::object_cast<std::vector<Exact::Point_3>>(&common)) {
+      add_outline(*outline, cuts);
+    }
   }
 
   [[nodiscard]] SplitMesh finish() {
@@ -151,8 +142,6 @@ class Splitter {
         split(i, cuts->second);
       }
     }
-    std::sort(mesh_.coplanar.begin(), mesh_.coplanar.end());
-    std::sort(mesh_.facing.begin(), mesh_.facing.end());
     return std::move(mesh_);
   }
 
@@ -167,23 +156,6 @@ class Splitter {
   [[nodiscard]] Exact::Triangle_3 triangle(std::uint32_t index) const {
     const auto [a, b, c] = corners(index);
     return {a, b, c};
-  }
-
-  void cut_by_outline(std::uint32_t index, std::uint32_t other) {
-    const std::array<Exact::Point_3, 3> own = corners(index), others = corners(other);
-    const Projection projection(own);
-    const auto flat = [&](const Exact::Point_3& point) {
-      return projection.exact_up(projection.down(point));
-    };
-    const Exact::Triangle_3 shadow(flat(others[0]), flat(others[1]), flat(others[2]));
-    const CGAL::Object common =
-        CGAL::intersection(Exact::Triangle_3(own[0], own[1], own[2]), shadow);
-    Cuts& cuts = cuts_[index];
-    if (const auto* face = CGAL::object_cast<Exact::Triangle_3>(&common)) {
-      add_outline({face->vertex(0), face->vertex(1), face->vertex(2)}, cuts);
-    } else if (const auto* outline = CGAL::object_cast<std::vector<Exact::Point_3>>(&common)) {
-      add_outline(*outline, cuts);
-    }
   }
 
   void split(std::uint32_t index, const Cuts& cuts) {
@@ -207,20 +179,20 @@ class Splitter {
     }
   }
 
-  [[nodiscard]] std::uint32_t number(const Vector3& point) {
-    const auto [found, added] =
-        numbers_.try_emplace(key(point), static_cast<std::uint32_t>(mesh_.points.size()));
-    if (added) mesh_.points.push_back(point);
-    return found->second;
+  /// The number of a point: one place, before rounding, has one.
+  [[nodiscard]] std::uint32_t number(const Exact::Point_3& point) {
+    const Vector3 near(rounded(point.x()), rounded(point.y()), rounded(point.z()));
+    std::vector<std::uint32_t>& there = numbers_[key(near)];
+    for (const std::uint32_t one : there) {
+      if (mesh_.exact_place(one) == point) return one;
+    }
+    there.push_back(static_cast<std::uint32_t>(mesh_.points.size()));
+    mesh_.points.push_back(near);
+    mesh_.added.push_back(point);
+    return there.back();
   }
 
   void add_piece(const Triangle& piece, std::uint32_t parent) {
-    const Vector3& a = mesh_.points[piece[0]];
-    const Vector3& b = mesh_.points[piece[1]];
-    const Vector3& c = mesh_.points[piece[2]];
-    const double longest =
-        std::sqrt(std::max({(b - a).squaredNorm(), (c - b).squaredNorm(), (a - c).squaredNorm()}));
-    if (!((b - a).cross(c - a).norm() > thinnest_ * longest)) return;
     mesh_.pieces.push_back(piece);
     mesh_.parents.push_back(parent);
   }
@@ -228,19 +200,39 @@ class Splitter {
   std::span<const Vector3> points_;
   std::span<const Triangle> triangles_;
   SplitMesh mesh_;
-  double thinnest_ = 0;
   std::map<std::uint32_t, Cuts> cuts_;
-  std::map<Key, std::uint32_t> numbers_;
+  std::map<Key, std::vector<std::uint32_t>> numbers_;
 };
 
 }  // namespace
 
+ExactKernel::Point_3 SplitMesh::exact_place(std::uint32_t point) const {
+  const std::size_t own = points.size() - added.size();
+  return point < own ? exact_point(points[point]) : added[point - own];
+}
+
 SplitMesh split_triangles(std::span<const Vector3> points, std::span<const Triangle> triangles,
-                          const MeetingPairs& pairs) {
+                          std::span<const TrianglePair> crossing, std::size_t solids) {
   Splitter splitter(points, triangles);
-  for (const TrianglePair& pair : pairs.crossing) splitter.intersect(pair);
-  for (const TrianglePair& pair : pairs.facing) splitter.outline(pair);
+  for (const TrianglePair& pair : crossing) splitter.intersect(pair, pair.second >= solids);
   return splitter.finish();
+}
+
+SplitMesh cut_along_outlines(std::span<const Vector3> points, std::span<const Triangle> triangles,
+                             std::span<const OutlineCut> outlines) {
+  Splitter splitter(points, triangles);
+  for (const auto& [triangle, corners] : outlines) splitter.outline(triangle, corners);
+  SplitMesh split = splitter.finish();
+  std::size_t kept = 0;
+  for (std::size_t piece = 0; piece < split.pieces.size(); ++piece) {
+    const auto& [a, b, c] = split.pieces[piece];
+    if (!(triangle_height(split.points[a], split.points[b], split.points[c]) > 0)) continue;
+    split.pieces[kept] = split.pieces[piece];
+    split.parents[kept++] = split.parents[piece];
+  }
+  split.pieces.resize(kept);
+  split.parents.resize(kept);
+  return split;
 }
 
 }  // namespace spm::baker

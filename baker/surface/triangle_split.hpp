@@ -1,33 +1,44 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "baker/mesh/mesh.hpp"
+#include "baker/mesh/triangle_fan.hpp"
 #include "baker/surface/self_intersection.hpp"
 
 namespace spm::baker {
 
-/// Triangles cut along each other so that two pieces meet only along their edges. This holds up to
-/// the rounding of new points to doubles.
+/// Triangles cut into pieces, which are oriented as the triangles they come from.
 struct SplitMesh {
-  std::vector<Vector3> points;         ///< the mesh's own first
-  std::vector<Triangle> pieces;        ///< oriented as the triangles they come from
-  std::vector<std::uint32_t> parents;  ///< the triangle that each piece comes from, ascending
-  Counted split;                       ///< triangles that became more than one piece
-  /// Pairs that overlap in a common plane, both ways round and sorted.
-  std::vector<TrianglePair> coplanar;
-  std::vector<TrianglePair> facing;  ///< those that face each other, both ways round and sorted
+  std::vector<Vector3> points;  ///< the mesh's own first
+  std::vector<Triangle> pieces;
+  std::vector<std::uint32_t> parents;       ///< the triangle that each piece comes from, ascending
+  Counted split;                            ///< triangles that became more than one piece
+  std::vector<ExactKernel::Point_3> added;  ///< the points after the mesh's, before rounding
+
+  /// A point before rounding.
+  [[nodiscard]] ExactKernel::Point_3 exact_place(std::uint32_t point) const;
 };
 
-/// Cuts triangles along their intersections with exact constructions, and those that face each
-/// other along each other's outlines, as seen along their normals; sequential and deterministic.
-/// Pieces that have no area after rounding are left out.
+/// Cuts triangles along their intersections with exact constructions, sequential and deterministic:
+/// two pieces of solids, the first `solids` triangles, meet only along whole edges, before
+/// rounding, which may leave pieces without area. Sheets cut no others.
 [[nodiscard]] SplitMesh split_triangles(std::span<const Vector3> points,
                                         std::span<const Triangle> triangles,
-                                        const MeetingPairs& pairs);
+                                        std::span<const TrianglePair> crossing, std::size_t solids);
+
+/// A triangle, and the corners of another along whose outline it is cut, as seen along its normal.
+using OutlineCut = std::pair<std::uint32_t, std::array<Vector3, 3>>;
+
+/// Cuts triangles along outlines. Pieces without area are left out.
+[[nodiscard]] SplitMesh cut_along_outlines(std::span<const Vector3> points,
+                                           std::span<const Triangle> triangles,
+                                           std::span<const OutlineCut> outlines);
 
 }  // namespace spm::baker

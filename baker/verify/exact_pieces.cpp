@@ -193,8 +193,9 @@ struct Kind {
   }
 };
 
+/// `across`: of a sliver the unit vector across it in its plane, else 0.
 Side side_of(const ExactWinding& winding, const Vector3& point, const Frame& frame,
-             const Scale& scale, const Kind& kind, bool sliver) {
+             const Scale& scale, const Kind& kind, const Vector3& across) {
   const auto inside = [&](double height) { return winding.at(point + height * frame.n) > 0.5; };
   // A solid lies beyond a gap, or several such gaps behind each other.
   const auto narrows = [&](double height) {
@@ -207,10 +208,14 @@ Side side_of(const ExactWinding& winding, const Vector3& point, const Frame& fra
   // A sheet is felt where both its sides are outside, also across a narrow gap.
   if (kind.sheet) return above || below ? Side::hidden : Side::outer;
   if (above == below) return Side::hidden;
-  if ((sliver || kind.faced_at(frame, point, scale.narrow)) &&
-      narrows(below ? scale.narrow : -scale.narrow)) {
-    return Side::hidden;
-  }
+  const bool sliver = across != Vector3::Zero();
+  const double open = below ? scale.narrow : -scale.narrow;
+  if ((sliver || kind.faced_at(frame, point, scale.narrow)) && narrows(open)) return Side::hidden;
+  // The end of a gap, between its walls.
+  const auto beside = [&](double way) {
+    return winding.at(point + open * frame.n + way * scale.narrow * across) > 0.5;
+  };
+  if (sliver && beside(1) && beside(-1)) return Side::hidden;
   return below ? Side::outer : Side::turned;
 }
 
@@ -229,14 +234,18 @@ void keep(Sorted& sorted, const Corners& piece, Side side) {
   }
 }
 
-/// Whether a polygon is no higher than so much.
-bool is_sliver(const Polygon& polygon, double height) {
-  double longest = 0, twice_area = 0;
+/// Of a polygon that is no higher than so much the unit vector across its longest way, else 0.
+Vector2 across_sliver(const Polygon& polygon, double height) {
+  Vector2 longest = Vector2::Zero();
+  double twice_area = 0;
   for (std::size_t i = 0; i < polygon.size(); ++i) {
     twice_area += cross(polygon[i], polygon[(i + 1) % polygon.size()]);
-    for (const Vector2& other : polygon) longest = std::max(longest, (other - polygon[i]).norm());
+    for (const Vector2& other : polygon) {
+      if ((other - polygon[i]).norm() > longest.norm()) longest = other - polygon[i];
+    }
   }
-  return twice_area <= height * longest;
+  if (twice_area > height * longest.norm()) return Vector2::Zero();
+  return Vector2(-longest.y(), longest.x()).normalized();
 }
 
 bool is_hair(const Corners& t, double height) {
@@ -247,13 +256,15 @@ bool is_hair(const Corners& t, double height) {
 
 /// Classifies the pieces of a cut triangle.
 Sorted sort_pieces(const ExactWinding& winding, const Frame& frame,
-                   const std::vector<Polygon>& polygons, const Scale& scale, const Kind& kind) {
+                   const std::vector<Polygon>& polygons, const Scale& scale, const Kind& kind,
+                   bool gaps) {
   Sorted sorted;
   for (const Polygon& polygon : polygons) {
     Vector2 centre = Vector2::Zero();
     for (const Vector2& corner : polygon) centre += corner / static_cast<double>(polygon.size());
-    const bool sliver = polygons.size() > 1 && is_sliver(polygon, scale.narrow);
-    const Side side = side_of(winding, frame.lifted(centre), frame, scale, kind, sliver);
+    const Vector2 flat = gaps ? across_sliver(polygon, scale.narrow) : Vector2::Zero();
+    const Vector3 across = flat.x() * frame.u + flat.y() * frame.v;
+    const Side side = side_of(winding, frame.lifted(centre), frame, scale, kind, across);
     for (std::size_t i = 2; i < polygon.size(); ++i) {
       const Corners piece{frame.lifted(polygon[0]), frame.lifted(polygon[i - 1]),
                           frame.lifted(polygon[i])};
@@ -301,11 +312,9 @@ SurfacePieces outer_pieces(const Mesh& mesh, const ExactWinding& winding, double
     const Corners own = corners_of(mesh, i);
     if (simple) {
       sorted[i].kept.push_back(own);
-    } else if (polygons[i].size() == 1) {
-      keep(sorted[i], own,
-           side_of(winding, (own[0] + own[1] + own[2]) / 3, Frame(own), scale, kinds[i], false));
     } else {
-      sorted[i] = sort_pieces(winding, Frame(own), polygons[i], scale, kinds[i]);
+      sorted[i] =
+          sort_pieces(winding, Frame(own), polygons[i], scale, kinds[i], pieces.gaps_closed);
     }
   });
   for (std::size_t i = 0; i < sorted.size(); ++i) {

@@ -7,7 +7,7 @@
 #include <utility>
 #include <vector>
 
-#include "baker/field/sliver_removal.hpp"
+#include "baker/mesh/sliver_removal.hpp"
 #include "tests/support/shapes.hpp"
 
 namespace spm::test {

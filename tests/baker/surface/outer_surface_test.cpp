@@ -204,6 +204,38 @@ TEST_CASE("Parts that touch or nearly touch are one, and a gap that can be felt 
   }
 }
 
+TEST_CASE("What bounds parts that cross at next to no angle closes") {
+  for (std::uint64_t seed = 1; seed <= 12; ++seed) {
+    RandomTwister random(seed);
+    const double angle = std::pow(10, -1 - 0.75 * static_cast<double>(seed));
+    Shape shape = box({2, 2, 2});
+    for (int i = 0; i < 5; ++i) {
+      const Shape part = turned(box({2, 2, 2}), angle, random.direction());
+      shape = merged(shape, moved(part, (i % 3) * random.direction().cwiseAbs()));
+    }
+    const baker::Mesh mesh = load_shape(shape);
+    const OuterSurface surface = outer_surface(mesh);
+    INFO("turned by " << angle);
+    CHECK(open_length(surface) == 0);
+    const WindingNumber before(mesh.vertices, mesh.triangles);
+    const WindingNumber after(surface.vertices, surface.triangles);
+    for (int i = 0; i < 300; ++i) {
+      const Vector3 point = random.in_box(mesh.box_min, mesh.box_max);
+      CHECK(after.at(point) == Approx(before.at(point) >= 0.5 ? 1 : 0).margin(2e-3));
+    }
+  }
+}
+
+TEST_CASE("Of a closed gap its ends go as well") {
+  const double gap = 5e-5;
+  const Shape slit = turned_inside_out(moved(box({0.6, 0.4, gap}), {0.1, 0, 0}));
+  const baker::Mesh mesh = load_shape(merged(box({1, 1, 1}), slit));
+  CHECK(kept_area(baker::outer_surface(mesh, gap / 2)) > 6.4);
+  const OuterSurface surface = baker::outer_surface(mesh, 2 * gap);
+  CHECK(surface.triangles.size() == 12);
+  CHECK(surface.hidden_area == Approx(2 * 0.24 + 2 * gap).epsilon(1e-3));
+}
+
 TEST_CASE("A wall stays a wall, however thin it is") {
   for (const double thickness : {1e-6, 5e-5}) {
     const baker::Mesh mesh = load_shape(box({1, 1, thickness}));

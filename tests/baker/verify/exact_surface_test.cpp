@@ -188,6 +188,15 @@ TEST_CASE("Within a closed gap all is inside, and what bounds it is no surface")
   }
 }
 
+TEST_CASE("Of a closed gap its ends are no surface") {
+  const double gap = 5e-7;
+  const test::Shape slit = test::turned_inside_out(test::box({0.04, 0.04, gap}));
+  const baker::Mesh mesh = test::as_mesh(test::merged(test::box({0.1, 0.1, 0.1}), slit));
+  const ExactSurface closed(mesh, 0, 1e-4), open(mesh, 0, 1e-5);
+  CHECK(signed_distance(closed, {0.021, 0, 0}) == Approx(-0.029));
+  CHECK(signed_distance(open, {0.021, 0, 0}) == Approx(-0.001));
+}
+
 TEST_CASE("Directions are contested near the medial axis and nowhere else") {
   const ExactSurface surface(test::as_mesh(test::box({0.1, 0.1, 0.1})));
   const auto contested = [&](const Vector3& point) {

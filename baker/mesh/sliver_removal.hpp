@@ -4,15 +4,16 @@
 #include <cstdint>
 #include <vector>
 
-#include "baker/surface/outer_surface.hpp"
+#include "baker/mesh/mesh.hpp"
 
 namespace spm::baker {
 
-/// A triangle on its way to the lattice.
+/// A triangle of a surface that changes.
 struct LooseTriangle {
   Triangle corners{};
   bool sheet = false;
-  bool bare = false;  ///< no tile shows it
+  bool bare = false;         ///< no tile shows it
+  std::uint32_t parent = 0;  ///< the triangle that it is a piece of, where that is asked
 };
 
 /// Removes triangles that are thinner than `height` (m), so that no two parts of the surface that

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "baker/field/sliver_removal.hpp"
+#include "baker/mesh/sliver_removal.hpp"
 
 #include <catch2/catch.hpp>
 #include <cstddef>

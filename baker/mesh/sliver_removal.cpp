@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "baker/field/sliver_removal.hpp"
+#include "baker/mesh/sliver_removal.hpp"
 
 #include <tbb/parallel_for.h>
 
@@ -11,8 +11,8 @@
 #include <utility>
 
 #include "baker/base/cube_bins.hpp"
-#include "baker/field/triangle_height.hpp"
 #include "baker/mesh/join_vertices.hpp"
+#include "baker/mesh/triangle_height.hpp"
 
 namespace spm::baker {
 

@@ -1,0 +1,217 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "baker/surface/piece_winding.hpp"
+
+#include <algorithm>
+#include <cmath>
+#include <cstdint>
+#include <iterator>
+#include <optional>
+#include <span>
+
+#include "baker/base/cube_bins.hpp"
+#include "baker/base/groups.hpp"
+#include "baker/mesh/mesh_edges.hpp"
+#include "baker/mesh/triangle_fan.hpp"
+
+namespace spm::baker {
+namespace {
+
+/// Of the angle between two pieces at an edge, from where on they may lie on each other.
+constexpr double folded_cosine = 0.9;
+/// How far from a piece its winding number is asked: a share of its width, within shares of the
+/// diagonal. Rounding is far below that, and gaps that are not closed are above.
+constexpr double share_of_width = 1e-3, least_offset = 1e-10, most_offset = 1e-9;
+/// So many pieces of a part are asked, the largest ones, and the middle answer counts.
+constexpr std::size_t asked_pieces = 5;
+
+[[nodiscard]] std::uint32_t front(std::uint32_t piece) { return 2 * piece; }
+[[nodiscard]] std::uint32_t back(std::uint32_t piece) { return 2 * piece + 1; }
+
+/// What lies between pieces: of which sides it is bounded, and by how much the winding number
+/// changes from one to the next.
+class Cells {
+ public:
+  Cells(const SplitMesh& split, std::size_t count)
+      : split_(split),
+        pieces_(split.pieces.begin(), split.pieces.begin() + static_cast<std::ptrdiff_t>(count)),
+        sides_(2 * count),
+        patches_(count),
+        parts_(count) {
+    for_each_edge(sorted_edges(pieces_), [&](std::span<const HalfEdge> users) { join(users); });
+    jumps_.assign(count, 1);
+    repeated_.assign(count, 0);
+    for (const Stacked& one : stacked_) {
+      const std::uint32_t patch = patches_.of(one.piece);
+      jumps_[patch] = one.jump;
+      repeated_[patch] = one.repeated ? 1 : 0;
+    }
+  }
+
+  [[nodiscard]] std::uint32_t cell(std::uint32_t side) { return sides_.of(side); }
+  [[nodiscard]] std::uint32_t part(std::uint32_t piece) { return parts_.of(piece); }
+  /// How much more the winding number is behind a piece.
+  [[nodiscard]] int jump(std::uint32_t piece) { return jumps_[patches_.of(piece)]; }
+  [[nodiscard]] bool repeated(std::uint32_t piece) { return repeated_[patches_.of(piece)] != 0; }
+
+ private:
+  /// A piece that lies on others.
+  struct Stacked {
+    std::uint32_t piece;
+    int jump;
+    bool repeated;
+  };
+
+  void join(std::span<const HalfEdge> users) {
+    for (const HalfEdge& user : users.subspan(1)) parts_.join(users[0].triangle, user.triangle);
+    if (users.size() == 2 && users[0].forward != users[1].forward && !may_lie_on(users)) {
+      sides_.join(front(users[0].triangle), front(users[1].triangle));
+      sides_.join(back(users[0].triangle), back(users[1].triangle));
+      patches_.join(users[0].triangle, users[1].triangle);
+      return;
+    }
+    std::vector<FanLeaf> fan = triangle_fan(
+        pieces_, users, [&](std::uint32_t vertex) { return split_.exact_place(vertex); });
+    // Those that lie on each other, one after the other.
+    std::vector<std::span<const FanLeaf>> stacks;
+    for (std::size_t begin = 0; begin < fan.size();) {
+      std::size_t end = begin + 1;
+      while (end < fan.size() && fan[end].on_last) ++end;
+      stacks.push_back(std::span(fan).subspan(begin, end - begin));
+      begin = end;
+    }
+    for (std::size_t i = 0; i < stacks.size(); ++i) {
+      const auto here = stacks[i], next = stacks[(i + 1) % stacks.size()];
+      // The normal of one that runs from low to high points to the next.
+      const std::uint32_t side = ahead(here[0].user);
+      for (const FanLeaf& leaf : here) sides_.join(side, ahead(leaf.user));
+      for (const FanLeaf& leaf : next) sides_.join(side, behind(leaf.user));
+      if (here.size() > 1) add_stack(here);
+    }
+  }
+
+  [[nodiscard]] static std::uint32_t ahead(const HalfEdge& user) {
+    return user.forward ? front(user.triangle) : back(user.triangle);
+  }
+  [[nodiscard]] static std::uint32_t behind(const HalfEdge& user) {
+    return user.forward ? back(user.triangle) : front(user.triangle);
+  }
+
+  void add_stack(std::span<const FanLeaf> leaves) {
+    int sum = 0;
+    for (const FanLeaf& leaf : leaves) sum += leaf.user.forward ? 1 : -1;
+    std::optional<std::uint32_t> first;  // of those that face as their sum does
+    for (const FanLeaf& leaf : leaves) {
+      if (leaf.user.forward != (sum > 0)) continue;
+      if (!first || split_.parents[leaf.user.triangle] < split_.parents[*first]) {
+        first = leaf.user.triangle;
+      }
+    }
+    for (const FanLeaf& leaf : leaves) {
+      const std::uint32_t piece = leaf.user.triangle;
+      stacked_.push_back({piece, leaf.user.forward ? sum : -sum, piece != first});
+    }
+  }
+
+  /// Whether the two pieces at an edge may be folded onto each other, with rounding in mind.
+  [[nodiscard]] bool may_lie_on(std::span<const HalfEdge> users) const {
+    const Vector3& low = split_.points[users[0].low];
+    const Vector3 along = (split_.points[users[0].high] - low).normalized();
+    std::array<Vector3, 2> away;
+    for (std::size_t i = 0; i < 2; ++i) {
+      for (const std::uint32_t corner : pieces_[users[i].triangle]) {
+        if (corner == users[i].low || corner == users[i].high) continue;
+        const Vector3 tip = split_.points[corner] - low;
+        away[i] = tip - tip.dot(along) * along;
+      }
+    }
+    return !(away[0].dot(away[1]) < folded_cosine * away[0].norm() * away[1].norm());
+  }
+
+  const SplitMesh& split_;
+  std::vector<Triangle> pieces_;
+  Groups sides_;    ///< of pieces, by cell
+  Groups patches_;  ///< of pieces between edges where more than two meet
+  Groups parts_;    ///< of pieces that hang together by edges
+  std::vector<Stacked> stacked_;
+  std::vector<int> jumps_;  ///< by patch
+  std::vector<char> repeated_;
+};
+
+/// The largest pieces of each part, part by part.
+[[nodiscard]] std::vector<std::uint32_t> by_part_and_area(const SplitMesh& split, std::size_t count,
+                                                          Cells& cells) {
+  std::vector<double> areas(count);
+  std::vector<std::uint32_t> parts(count), order(count);
+  for (std::uint32_t i = 0; i < count; ++i) {
+    const auto& [a, b, c] = split.pieces[i];
+    areas[i] = (split.points[b] - split.points[a]).cross(split.points[c] - split.points[a]).norm();
+    parts[i] = cells.part(i);
+    order[i] = i;
+  }
+  std::sort(order.begin(), order.end(), [&](std::uint32_t one, std::uint32_t other) {
+    if (parts[one] != parts[other]) return parts[one] < parts[other];
+    return areas[one] != areas[other] ? areas[one] > areas[other] : one < other;
+  });
+  return order;
+}
+
+/// The winding number in front of a piece.
+[[nodiscard]] int asked_in_front(const SplitMesh& split, std::uint32_t piece,
+                                 const WindingNumber& winding, double diagonal) {
+  const auto& [i, j, k] = split.pieces[piece];
+  const Vector3 &a = split.points[i], &b = split.points[j], &c = split.points[k];
+  const Vector3 twice = (b - a).cross(c - a);
+  const double offset = std::clamp(share_of_width * std::sqrt(twice.norm()),
+                                   least_offset * diagonal, most_offset * diagonal);
+  return static_cast<int>(
+      std::lround(winding.at((a + b + c) / 3 + offset * twice.stableNormalized())));
+}
+
+}  // namespace
+
+std::vector<PieceWinding> winding_of_pieces(const SplitMesh& split, std::size_t count,
+                                            const WindingNumber& winding, double diagonal) {
+  Cells cells(split, count);
+  std::vector<CubeBins::Member> members;
+  for (std::uint32_t i = 0; i < count; ++i) {
+    members.emplace_back(cells.cell(front(i)), i);
+    members.emplace_back(cells.cell(back(i)), i);
+  }
+  const CubeBins bounds(2 * count, members);
+  std::vector<std::optional<int>> levels(2 * count);  // by cell, from one of its part
+  const std::vector<std::uint32_t> order = by_part_and_area(split, count, cells);
+  std::vector<PieceWinding> sides(count);
+  for (std::size_t begin = 0; begin < order.size();) {
+    const std::uint32_t part = cells.part(order[begin]);
+    std::vector<std::uint32_t> reached{cells.cell(front(order[begin]))};
+    levels[reached[0]] = 0;
+    while (!reached.empty()) {
+      const std::uint32_t cell = reached.back();
+      reached.pop_back();
+      for (const std::uint32_t piece : bounds.of(cell, cell)) {
+        const std::uint32_t before = cells.cell(front(piece)), behind = cells.cell(back(piece));
+        const std::uint32_t other = cell == before ? behind : before;
+        if (levels[other]) continue;
+        levels[other] = *levels[cell] + (cell == before ? 1 : -1) * cells.jump(piece);
+        reached.push_back(other);
+      }
+    }
+    std::size_t end = begin;
+    std::vector<int> bases;
+    for (; end < order.size() && cells.part(order[end]) == part; ++end) {
+      if (end - begin >= asked_pieces) continue;
+      bases.push_back(asked_in_front(split, order[end], winding, diagonal) -
+                      *levels[cells.cell(front(order[end]))]);
+    }
+    const auto middle = bases.begin() + std::ssize(bases) / 2;
+    std::nth_element(bases.begin(), middle, bases.end());
+    for (; begin < end; ++begin) {
+      const std::uint32_t piece = order[begin];
+      sides[piece] = {*middle + *levels[cells.cell(front(piece))],
+                      *middle + *levels[cells.cell(back(piece))], cells.repeated(piece)};
+    }
+  }
+  return sides;
+}
+
+}  // namespace spm::baker
