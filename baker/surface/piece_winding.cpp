@@ -2,6 +2,7 @@
 #include "baker/surface/piece_winding.hpp"
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstdint>
 #include <iterator>
@@ -21,8 +22,9 @@ constexpr double folded_cosine = 0.9;
 /// How far from a piece its winding number is asked: a share of its width, within shares of the
 /// diagonal. Rounding is far below that, and gaps that are not closed are above.
 constexpr double share_of_width = 1e-3, least_offset = 1e-10, most_offset = 1e-9;
-/// So many pieces of a part are asked, the largest ones, and the middle answer counts.
-constexpr std::size_t asked_pieces = 5;
+/// So many pieces of a part are asked, the largest ones, until so many of them agree with what
+/// changes across them. Others lie closer to each other than that.
+constexpr std::size_t most_asked = 200, enough_agree = 5;
 
 [[nodiscard]] std::uint32_t front(std::uint32_t piece) { return 2 * piece; }
 [[nodiscard]] std::uint32_t back(std::uint32_t piece) { return 2 * piece + 1; }
@@ -155,16 +157,23 @@ class Cells {
   return order;
 }
 
-/// The winding number in front of a piece.
-[[nodiscard]] int asked_in_front(const SplitMesh& split, std::uint32_t piece,
-                                 const WindingNumber& winding, double diagonal) {
+/// The winding numbers in front of a piece and behind it.
+[[nodiscard]] std::array<int, 2> asked_beside(const SplitMesh& split, std::uint32_t piece,
+                                              const WindingNumber& winding, double diagonal) {
   const auto& [i, j, k] = split.pieces[piece];
   const Vector3 &a = split.points[i], &b = split.points[j], &c = split.points[k];
-  const Vector3 twice = (b - a).cross(c - a);
+  const Vector3 twice = (b - a).cross(c - a), middle = (a + b + c) / 3;
   const double offset = std::clamp(share_of_width * std::sqrt(twice.norm()),
                                    least_offset * diagonal, most_offset * diagonal);
-  return static_cast<int>(
-      std::lround(winding.at((a + b + c) / 3 + offset * twice.stableNormalized())));
+  const Vector3 step = offset * twice.stableNormalized();
+  return {static_cast<int>(std::lround(winding.at(middle + step))),
+          static_cast<int>(std::lround(winding.at(middle - step)))};
+}
+
+[[nodiscard]] int middle_of(std::vector<int> numbers) {
+  const auto middle = numbers.begin() + std::ssize(numbers) / 2;
+  std::nth_element(numbers.begin(), middle, numbers.end());
+  return *middle;
 }
 
 }  // namespace
@@ -196,19 +205,20 @@ std::vector<PieceWinding> winding_of_pieces(const SplitMesh& split, std::size_t 
         reached.push_back(other);
       }
     }
-    std::size_t end = begin;
-    std::vector<int> bases;
+    std::size_t end = begin, asked = 0;
+    std::vector<int> bases, doubted;
     for (; end < order.size() && cells.part(order[end]) == part; ++end) {
-      if (end - begin >= asked_pieces) continue;
-      bases.push_back(asked_in_front(split, order[end], winding, diagonal) -
-                      *levels[cells.cell(front(order[end]))]);
+      if (bases.size() >= enough_agree || ++asked > most_asked) continue;
+      const std::uint32_t piece = order[end];
+      const auto [before, behind] = asked_beside(split, piece, winding, diagonal);
+      (behind - before == cells.jump(piece) ? bases : doubted)
+          .push_back(before - *levels[cells.cell(front(piece))]);
     }
-    const auto middle = bases.begin() + std::ssize(bases) / 2;
-    std::nth_element(bases.begin(), middle, bases.end());
+    const int base = middle_of(bases.empty() ? doubted : bases);
     for (; begin < end; ++begin) {
       const std::uint32_t piece = order[begin];
-      sides[piece] = {*middle + *levels[cells.cell(front(piece))],
-                      *middle + *levels[cells.cell(back(piece))], cells.repeated(piece)};
+      sides[piece] = {base + *levels[cells.cell(front(piece))],
+                      base + *levels[cells.cell(back(piece))], cells.repeated(piece)};
     }
   }
   return sides;

@@ -223,8 +223,10 @@ std::string broken_promise(const SeededMesh& mesh, const AssetView& view, std::u
       if (!inside) return said("below -" + std::to_string(1e3 * away));
       continue;
     }
+    // Beyond the band an answer is no less than its end.
+    const bool beyond = away > view.band.margin && answer.distance >= view.band.margin - tolerance;
     const bool outside = answer.status == Status::exact
-                             ? std::abs(answer.distance - away) <= tolerance
+                             ? beyond || std::abs(answer.distance - away) <= tolerance
                              : answer.status == Status::far && away > view.band.margin - tolerance;
     if (!outside) return said(std::to_string(1e3 * away));
   }

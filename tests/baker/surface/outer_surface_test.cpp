@@ -226,6 +226,19 @@ TEST_CASE("What bounds parts that cross at next to no angle closes") {
   }
 }
 
+TEST_CASE("Parts whose largest faces lie on each other to within rounding are one solid") {
+  RandomTwister random(5);
+  for (int i = 0; i < 20; ++i) {
+    const Eigen::Matrix3d turn =
+        Eigen::AngleAxisd(random.between(0, 6), random.direction()).toRotationMatrix();
+    Shape both = merged(plate({3, 2, 0.1}), moved(plate({2.9, 1.9, 0.1}), {0.02, 0.01, 0.1}));
+    for (Vector3& vertex : both.vertices) vertex = turn * vertex;
+    const OuterSurface surface = surface_of(both);
+    CHECK(open_length(surface) == 0);
+    CHECK(volume_of(surface) == Approx(0.6 + 0.551));
+  }
+}
+
 TEST_CASE("Of a closed gap its ends go as well") {
   const double gap = 5e-5;
   const Shape slit = turned_inside_out(moved(box({0.6, 0.4, gap}), {0.1, 0, 0}));
