@@ -363,9 +363,10 @@ BuildReport run_build(const BuildRequest& request, const Progress& progress) {
   check_paths(request);
   BakeOptions options = request.bake;
   BuildReport report;
-  report.derived = derive_limits(request.limits, request.mesh, options);
+  LoadOptions load = request.load;
+  report.derived = derive_limits(request.limits, request.mesh, options, load.open_as);
   tell("load");
-  const Mesh mesh = load_mesh(request.mesh, request.load);
+  const Mesh mesh = load_mesh(request.mesh, load);
   seconds.load = seconds_since(start);
   ask_unit(request, mesh);
   refuse_findings(request, mesh.findings);

@@ -70,6 +70,7 @@ void note_given(const CLI::App& command, LimitSources& limits) {
   limits.tolerance_given = command.count("--tolerance") > 0;
   limits.max_depth_given = command.count("--max-depth") > 0;
   limits.probe_given = command.count("--probe") > 0;
+  limits.open_given = command.count("--open") > 0;
 }
 
 constexpr double most_direction = std::numbers::pi / 4;

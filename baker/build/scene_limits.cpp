@@ -189,7 +189,7 @@ void check_workspace(const LimitSources& sources, const BakeOptions& options, co
 }  // namespace
 
 std::vector<std::string> derive_limits(const LimitSources& sources, const std::string& mesh,
-                                       BakeOptions& options) {
+                                       BakeOptions& options, OpenAs& open) {
   std::vector<std::string> derived;
   const DeviceProfile* profile = find_device_profile(sources.device);
   double step_scale = 1;
@@ -207,6 +207,11 @@ std::vector<std::string> derive_limits(const LimitSources& sources, const std::s
       const SceneObject& object = object_of(*scene, mesh);
       step_scale = scene->workspace.scale / object.placement.scale;
       derive_from_scene(*scene, object, profile, sources, options, derived);
+      if (object.open && !sources.open_given) {
+        open = *object.open;
+        derived.push_back(fmt::format("open {}: the object's in {}",
+                                      open_as_words[static_cast<std::size_t>(open)], scene->path));
+      }
     }
   }
   if (profile != nullptr) derive_tolerance(*profile, step_scale, options, derived);

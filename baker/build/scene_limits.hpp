@@ -17,16 +17,19 @@ struct LimitSources {
   bool tolerance_given = false;
   bool max_depth_given = false;
   bool probe_given = false;
+  bool open_given = false;
 };
 
 /// Fills in the limits that the options leave open, from a device and a scene, in the frame of the
 /// asset of `mesh`. The tolerance is half the device's encoder step (`sparse` only). A scene also
-/// gives the band's depth (force cap over stiffness), the probe, and the device's workspace.
+/// gives the band's depth (force cap over stiffness), the probe, the device's workspace, and what
+/// open parts are taken for.
 /// `--device` wins over the scene's profile. Returns one sentence for each limit, which says where
 /// it comes from. Throws BakeError: the errors of read_scene; invalid_input where the scene does
 /// not say which of its objects the mesh is.
 [[nodiscard]] std::vector<std::string> derive_limits(const LimitSources& sources,
-                                                     const std::string& mesh, BakeOptions& options);
+                                                     const std::string& mesh, BakeOptions& options,
+                                                     OpenAs& open);
 
 /// Refuses limits that suit no bake of this mesh: a band wider than the object, a tolerance that
 /// floats cannot hold (unless `inexact` is allowed), or a workspace that contains no part of the

@@ -32,7 +32,7 @@ Wanted wanted_of(const BuildRequest& request) {
   if (!mesh) throw BakeError(mesh.error().code, mesh.error().message);
   BuildRequest settled = request;
   Wanted wanted;
-  wanted.derived = derive_limits(request.limits, request.mesh, settled.bake);
+  wanted.derived = derive_limits(request.limits, request.mesh, settled.bake, settled.load.open_as);
   wanted.key = cache_key(settled, *mesh);
   return wanted;
 }

@@ -8,6 +8,7 @@
 #include <vector>
 
 #include "common/base/vector.hpp"
+#include "formats/files/open_as.hpp"
 
 namespace spm::baker {
 
@@ -19,15 +20,6 @@ struct Hole {
   double area = 0;                   ///< of its lid, m2
   std::size_t edges = 0;             ///< of its border
 };
-
-/// What an open surface is taken for.
-enum class OpenAs : std::uint8_t {
-  automatic,  ///< a solid where lids take little of its area, else a sheet
-  solid,      ///< a solid, whatever lids it takes
-  sheet,      ///< a sheet, however small its holes are
-};
-/// The words of `--open`, in that order.
-inline constexpr std::array<const char*, 3> open_as_words{"auto", "solid", "sheet"};
 
 /// How often something was met, and a vertex at which it was, the first time.
 struct Counted {

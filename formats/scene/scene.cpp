@@ -90,6 +90,10 @@ SceneObject read_object(TableReader&& reader, const Scene& scene) {
   read_stiffness(reader, chosen, object);
   object.effects = read_effects(reader, object.stiffness);
   object.movable = reader.flag("movable", object.movable);
+  if (const auto word =
+          reader.word("open", {open_as_words[0], open_as_words[1], open_as_words[2]})) {
+    object.open = static_cast<OpenAs>(*word);
+  }
   if (!reader.has("asset") && !reader.has("mesh")) {
     reader.refuse("asset",
                   "an object needs 'mesh', what it is baked from, or 'asset', its baked "
@@ -187,10 +191,11 @@ Scene read_document(const std::string& path, const toml::table& document,
     return scene;
   }
   for (const toml::node& node : *objects->as_array()) {
-    TableReader reader(path, *node.as_table(), "[[object]]",
-                       {"asset", "mesh", "pose", "scale", "stiffness", "method", "paper_rule",
-                        "friction", "damping", "texture", "smoothing", "turn_limit", "movable"},
-                       error);
+    TableReader reader(
+        path, *node.as_table(), "[[object]]",
+        {"asset", "mesh", "pose", "scale", "stiffness", "method", "paper_rule", "friction",
+         "damping", "texture", "smoothing", "turn_limit", "movable", "open"},
+        error);
     scene.objects.push_back(read_object(std::move(reader), scene));
     scene.objects.back().line = static_cast<int>(node.source().begin.line);
   }

@@ -12,6 +12,7 @@
 #include "common/contact/effect_settings.hpp"
 #include "common/contact/force_law.hpp"
 #include "common/contact/stabilization_settings.hpp"
+#include "formats/files/open_as.hpp"
 
 namespace spm {
 
@@ -48,9 +49,10 @@ struct SceneObject {
   bool stiffness_chosen = false;  ///< chosen for the device: the scene says "auto"
   std::optional<Method> method;   ///< empty: the default
   PaperRule rule = PaperRule::closest_plane;
-  EffectSettings effects;  ///< lengths, forces and damping in the world's units
-  bool movable = false;    ///< an application may move it
-  int line = 0;            ///< of its `[[object]]` in the file
+  EffectSettings effects;      ///< lengths, forces and damping in the world's units
+  bool movable = false;        ///< an application may move it
+  std::optional<OpenAs> open;  ///< what a bake takes open parts of the mesh for
+  int line = 0;                ///< of its `[[object]]` in the file
 
   static constexpr double default_stiffness = 1000;
 };

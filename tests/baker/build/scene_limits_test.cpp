@@ -70,7 +70,8 @@ TEST_CASE("A device alone gives the tolerance and leaves the band") {
   LimitSources sources;
   sources.device = "omega3";
   BakeOptions options;
-  const auto derived = derive_limits(sources, "a.obj", options);
+  OpenAs open = OpenAs::automatic;
+  const auto derived = derive_limits(sources, "a.obj", options, open);
   CHECK(*options.tolerance == Approx(4.5e-6));
   CHECK(options.max_depth == 0.002);
   CHECK_FALSE(options.workspace);
@@ -80,7 +81,8 @@ TEST_CASE("A device alone gives the tolerance and leaves the band") {
 TEST_CASE("A scene gives tolerance, band, probe and workspace, and tells from what") {
   const SceneFolder folder(falcon_scene);
   BakeOptions options;
-  const auto derived = derive_limits(folder.sources(), folder.path("a.obj"), options);
+  OpenAs open = OpenAs::automatic;
+  const auto derived = derive_limits(folder.sources(), folder.path("a.obj"), options, open);
   CHECK(*options.tolerance == Approx(32e-6));
   CHECK(options.max_depth == Approx(0.002));
   CHECK(options.probe_radius == Approx(0.001));
@@ -100,10 +102,11 @@ TEST_CASE("What the command line gives wins over the scene") {
   sources.tolerance_given = sources.max_depth_given = sources.probe_given = true;
   sources.device = "omega3";
   BakeOptions options;
+  OpenAs open = OpenAs::automatic;
   options.tolerance = 50e-6;
   options.max_depth = 0.001;
   options.probe_radius = 0.003;
-  const auto derived = derive_limits(sources, folder.path("a.obj"), options);
+  const auto derived = derive_limits(sources, folder.path("a.obj"), options, open);
   CHECK(*options.tolerance == 50e-6);
   CHECK(options.max_depth == 0.001);
   CHECK(options.probe_radius == 0.003);
@@ -128,7 +131,8 @@ scale = 2
 stiffness = "1N/mm"
 )");
   BakeOptions options;
-  const auto derived = derive_limits(folder.sources(), folder.path("a.obj"), options);
+  OpenAs open = OpenAs::automatic;
+  const auto derived = derive_limits(folder.sources(), folder.path("a.obj"), options, open);
   CHECK(*options.tolerance == Approx(4.5e-6 * 4 / 2));
   CHECK(options.max_depth == Approx(0.01 / 2));
   CHECK(options.probe_radius == Approx(0.0005));
@@ -142,7 +146,8 @@ stiffness = "1N/mm"
 TEST_CASE("A scene without a device gives what it can") {
   const SceneFolder folder("tool.probe = \"sphere:1mm\"\n[[object]]\nmesh = \"a.obj\"\n");
   BakeOptions options;
-  const auto derived = derive_limits(folder.sources(), folder.path("a.obj"), options);
+  OpenAs open = OpenAs::automatic;
+  const auto derived = derive_limits(folder.sources(), folder.path("a.obj"), options, open);
   CHECK_FALSE(options.tolerance);
   CHECK_FALSE(options.workspace);
   CHECK(options.max_depth == 0.002);
@@ -150,11 +155,26 @@ TEST_CASE("A scene without a device gives what it can") {
   CHECK(derived.size() == 1);
 }
 
+TEST_CASE("An object of a scene says what its open parts are taken for") {
+  const SceneFolder folder("[[object]]\nmesh = \"a.obj\"\nopen = \"sheet\"\n");
+  BakeOptions options;
+  OpenAs open = OpenAs::automatic;
+  const auto derived = derive_limits(folder.sources(), folder.path("a.obj"), options, open);
+  CHECK(open == OpenAs::sheet);
+  CHECK(tells(derived, "open sheet: the object's in "));
+  LimitSources sources = folder.sources();
+  sources.open_given = true;
+  open = OpenAs::solid;
+  (void)derive_limits(sources, folder.path("a.obj"), options, open);
+  CHECK(open == OpenAs::solid);
+}
+
 TEST_CASE("A full asset takes no tolerance from a scene") {
   const SceneFolder folder(falcon_scene);
   BakeOptions options;
+  OpenAs open = OpenAs::automatic;
   options.form = AssetForm::full;
-  (void)derive_limits(folder.sources(), folder.path("a.obj"), options);
+  (void)derive_limits(folder.sources(), folder.path("a.obj"), options, open);
   CHECK_FALSE(options.tolerance);
   CHECK(options.workspace);
 }
@@ -165,24 +185,25 @@ TEST_CASE("The object is the one with the mesh, or the only one") {
       "[[object]]\nmesh = \"./a.obj\"\nstiffness = \"2N/mm\"\n";
   const std::string device = "device.profile = \"touch\"\n";
   BakeOptions options;
+  OpenAs open = OpenAs::automatic;
   {
     const SceneFolder folder(device + two);
-    (void)derive_limits(folder.sources(), folder.path("a.obj"), options);
+    (void)derive_limits(folder.sources(), folder.path("a.obj"), options, open);
     CHECK(options.max_depth == Approx(3.3 / 2000));
     const Error error = thrown_by(
-        [&] { (void)derive_limits(folder.sources(), folder.path("scene.toml"), options); });
+        [&] { (void)derive_limits(folder.sources(), folder.path("scene.toml"), options, open); });
     CHECK(error.code == ExitCode::invalid_input);
     CHECK(error.message.find("none of its 2 objects") != std::string::npos);
   }
   {
     const SceneFolder folder("[[object]]\nmesh = \"a.obj\"\n[[object]]\nmesh = \"a.obj\"\n");
-    const Error error =
-        thrown_by([&] { (void)derive_limits(folder.sources(), folder.path("a.obj"), options); });
+    const Error error = thrown_by(
+        [&] { (void)derive_limits(folder.sources(), folder.path("a.obj"), options, open); });
     CHECK(error.code == ExitCode::invalid_input);
     CHECK(error.message.find("lines 1 and 3") != std::string::npos);
   }
   const SceneFolder folder(device + "[[object]]\nasset = \"c.spm.exr\"\n");
-  (void)derive_limits(folder.sources(), folder.path("a.obj"), options);
+  (void)derive_limits(folder.sources(), folder.path("a.obj"), options, open);
   CHECK(options.max_depth == Approx(3.3 / 400));
 }
 
@@ -268,14 +289,15 @@ mesh = "a.obj"
 stiffness = "4N/mm"
 )");
   BakeOptions options;
-  const auto derived = derive_limits(folder.sources(), folder.path("b.obj"), options);
+  OpenAs open = OpenAs::automatic;
+  const auto derived = derive_limits(folder.sources(), folder.path("b.obj"), options, open);
   CHECK_FALSE(options.workspace);
   CHECK(options.probe_radius == 0);
   CHECK(options.max_depth == 0.002);
   CHECK(*options.tolerance == Approx(16e-6));
   CHECK(tells(derived, "the tool of "));
   BakeOptions of_object;
-  static_cast<void>(derive_limits(folder.sources(), folder.path("a.obj"), of_object));
+  static_cast<void>(derive_limits(folder.sources(), folder.path("a.obj"), of_object, open));
   CHECK(of_object.workspace);
   CHECK(of_object.probe_radius == 0);
   CHECK(*of_object.tolerance == Approx(32e-6));

@@ -133,11 +133,11 @@ TEST_CASE("A bowl, a box without a lid and a fin are sheets, and the box of the 
 TEST_CASE("Open surfaces are solids or sheets where that is asked for") {
   Shape open = box({1, 1, 1});
   open.triangles.resize(10);
-  const Mesh solid = load_shape(open, {.open_as = baker::OpenAs::solid});
+  const Mesh solid = load_shape(open, {.open_as = OpenAs::solid});
   CHECK(solid.closed());
   CHECK(solid.lids.size() == 1);
   CHECK(signed_volume(solid.vertices, solid.triangles) == Approx(1));
-  const Mesh sheet = load_shape(holed_sphere({20}), {.open_as = baker::OpenAs::sheet});
+  const Mesh sheet = load_shape(holed_sphere({20}), {.open_as = OpenAs::sheet});
   CHECK(sheet.solid_triangles() == 0);
   CHECK(sheet.lids.empty());
 }

@@ -40,6 +40,7 @@ pose = [0.1, 0, -2e-2, 0.70711, 0, 0.70711, 0]
 scale = 1.5
 stiffness = "0.8N/mm"
 movable = true
+open = "sheet"
 
 [[object]]
 asset = "spot.spm.exr"
@@ -47,6 +48,8 @@ asset = "spot.spm.exr"
   const auto scene = read_scene(folder.path("scene.toml"));
   REQUIRE(scene);
   CHECK(scene->objects[0].movable);
+  CHECK(scene->objects[0].open == OpenAs::sheet);
+  CHECK_FALSE(scene->objects[1].open);
   CHECK_FALSE(scene->objects[1].movable);
   CHECK(scene->device.driver == "falcon");
   CHECK(scene->device.profile == find_device_profile("falcon"));
@@ -194,6 +197,7 @@ TEST_CASE("What is wrong in an object's effects is told by its line, cause and c
            Case{"damping = \"2N/m\"", "Ns/m"},
            Case{"turn_limit = 120", "\"120rad/s\""},
            Case{"movable = \"yes\"", "true or false"},
+           Case{"open = \"box\"", "auto solid sheet"},
            Case{"turn_limit = \"-1rad/s\"", "0 or more"},
            Case{"damping = \"-2Ns/m\"", "0 or more"},
            Case{"texture = \"rough\"", "must be a table"},
