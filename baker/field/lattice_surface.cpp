@@ -9,6 +9,7 @@
 
 #include "baker/field/edge_collapse.hpp"
 #include "baker/field/feature_sides.hpp"
+#include "baker/mesh/mesh_edges.hpp"
 #include "baker/mesh/sliver_removal.hpp"
 #include "baker/mesh/triangle_height.hpp"
 #include "common/field/indexed_triangles.hpp"
@@ -154,8 +155,14 @@ void add_crossed(const ClosedSurfaces& sides, LatticeSurface& lattice) {
     lattice.crossed.push_back(triangle);
   }
   all.gap = gap_steps * lattice.step;
-  // Of these sides are asked by the winding number alone.
-  all.doubtful.assign(lattice.surface.solid_count, 0);
+  const std::vector<Triangle> felt(
+      lattice.surface.triangles.begin(),
+      lattice.surface.triangles.begin() + static_cast<std::ptrdiff_t>(lattice.surface.solid_count));
+  const std::vector<char> open = open_vertices(lattice.surface.vertices.size(), felt);
+  for (const Triangle& corners : felt) {
+    all.doubtful.push_back(std::any_of(corners.begin(), corners.end(),
+                                       [&](std::uint32_t corner) { return open[corner] != 0; }));
+  }
   lattice.surface.sides = std::make_shared<ClosedSurfaces>(std::move(all));
 }
 

@@ -263,7 +263,7 @@ void divide_lists(const Builder& builder, double bytes, OctreeRoots& roots) {
 /// Decides which cubes become lists so that octree and triangles keep within the bytes that are
 /// given. Throws BakeError where they are too few.
 void keep_within(const LatticeSurface& surface, double most, OctreeRoots& roots) {
-  const double least = find_least_bytes(surface, roots) + triangle_bytes(surface, roots);
+  const double least = find_least_bytes(roots) + triangle_bytes(surface, roots);
   if (least > most) {
     throw BakeError(ExitCode::tolerance_not_met,
                     fmt::format("the octree takes at least {:.0f} bytes more than --max-bytes "
@@ -274,11 +274,11 @@ void keep_within(const LatticeSurface& surface, double most, OctreeRoots& roots)
   constexpr int tries = 16;
   double bytes = most;
   for (int k = 0; k < tries; ++k) {
-    const double over = find_fastest(surface, bytes, roots) + triangle_bytes(surface, roots) - most;
+    const double over = find_fastest(bytes, roots) + triangle_bytes(surface, roots) - most;
     if (over <= 0) return;
     bytes -= over;
   }
-  static_cast<void>(find_least_bytes(surface, roots));
+  static_cast<void>(find_least_bytes(roots));
 }
 
 }  // namespace
@@ -323,15 +323,15 @@ BuiltOctree build_octree(const LatticeSurface& surface, const Caster& caster,
     counter.done();
   });
   const auto make_root = [&builder](const Cube& cube) { return builder.root(cube); };
-  int joins = join_roots(surface, max_octree_levels - rules.levels, make_root, roots);
+  int joins = join_roots(max_octree_levels - rules.levels, make_root, roots);
   const double bytes =
-      rules.bytes.value_or(std::max(least_bytes, spent_bytes * find_least_bytes(surface, roots)));
+      rules.bytes.value_or(std::max(least_bytes, spent_bytes * find_least_bytes(roots)));
   divide_lists(builder, tried_bytes * bytes, roots);
   if (!rules.bytes && part_roots(make_root, roots)) --joins;
   if (rules.bytes) {
     keep_within(surface, bytes, roots);
   } else {
-    static_cast<void>(find_fastest(surface, bytes, roots));
+    static_cast<void>(find_fastest(bytes, roots));
   }
   data.roots = roots.count;
   data.edge = std::ldexp(data.edge, joins);

@@ -64,8 +64,7 @@ double bytes_in(const OctreeNode& node) {
 
 class Pruning {
  public:
-  Pruning(const LatticeSurface& surface, double bytes_per_time)
-      : surface_(surface), bytes_per_time_(bytes_per_time) {}
+  explicit Pruning(double bytes_per_time) : bytes_per_time_(bytes_per_time) {}
 
   /// The least cost of a cube and all in it.
   Cost prune(OctreeNode& node, int level) const {
@@ -81,7 +80,6 @@ class Pruning {
   }
 
  private:
-  const LatticeSurface& surface_;
   double bytes_per_time_;
 
   [[nodiscard]] double weighed(const Cost& cost) const {
@@ -89,8 +87,8 @@ class Pruning {
   }
 };
 
-Cost cost_of_roots(const LatticeSurface& surface, double bytes_per_time, OctreeRoots& roots) {
-  const Pruning pruning(surface, bytes_per_time);
+Cost cost_of_roots(double bytes_per_time, OctreeRoots& roots) {
+  const Pruning pruning(bytes_per_time);
   Cost cost;
   for (OctreeNode& root : roots.nodes) cost += pruning.prune(root, 0);
   cost.bytes += root_bytes * static_cast<double>(roots.nodes.size());
@@ -203,18 +201,14 @@ double triangle_bytes(const LatticeSurface& surface, const OctreeRoots& roots) {
   return static_cast<double>(bytes + stored_corner_bytes * corners.size());
 }
 
-double find_least_bytes(const LatticeSurface& surface, OctreeRoots& roots) {
-  return cost_of_roots(surface, 0, roots).bytes;
-}
+double find_least_bytes(OctreeRoots& roots) { return cost_of_roots(0, roots).bytes; }
 
-double find_fastest(const LatticeSurface& surface, double bytes, OctreeRoots& roots) {
+double find_fastest(double bytes, OctreeRoots& roots) {
   // What time is worth, in bytes for that of a polynomial in a cubic metre, from next to nothing to
   // all; halved as a logarithm, since it may be of any size.
   double low = 0, high = 60;
   constexpr int steps = 24;
-  const auto cost_at = [&](double worth) {
-    return cost_of_roots(surface, std::exp(worth), roots).bytes;
-  };
+  const auto cost_at = [&](double worth) { return cost_of_roots(std::exp(worth), roots).bytes; };
   if (const double all = cost_at(high); all <= bytes) return all;
   for (int step = 0; step < steps; ++step) {
     const double middle = (low + high) / 2;
@@ -223,16 +217,15 @@ double find_fastest(const LatticeSurface& surface, double bytes, OctreeRoots& ro
   return cost_at(low);
 }
 
-int join_roots(const LatticeSurface& surface, int most, const RootMaker& make_root,
-               OctreeRoots& roots) {
+int join_roots(int most, const RootMaker& make_root, OctreeRoots& roots) {
   // Larger roots take longer to look into.
   constexpr double worth_joining = 0.99;
-  double bytes = find_least_bytes(surface, roots);
+  double bytes = find_least_bytes(roots);
   for (int times = 0; times < most; ++times) {
     const std::array<std::uint32_t, 3> count = roots.count;
     OctreeRoots half = joined(std::move(roots), make_root);
     for (OctreeNode& node : half.nodes) gather_octants(node);
-    const double joined_bytes = find_least_bytes(surface, half);
+    const double joined_bytes = find_least_bytes(half);
     if (joined_bytes > worth_joining * bytes) {
       roots = parted(std::move(half), count, make_root);
       return times;

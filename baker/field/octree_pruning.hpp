@@ -32,16 +32,15 @@ using RootMaker = std::function<OctreeNode(const Cube&)>;
 
 /// Finds the split cubes that are better lists so that the fewest bytes are left, and returns
 /// these.
-[[nodiscard]] double find_least_bytes(const LatticeSurface& surface, OctreeRoots& roots);
+[[nodiscard]] double find_least_bytes(OctreeRoots& roots);
 
 /// Finds the split cubes that are better lists so that answers take the least time, in the mean
 /// over the band, of all octrees of so many bytes, or nearly so. Returns their bytes.
-double find_fastest(const LatticeSurface& surface, double bytes, OctreeRoots& roots);
+double find_fastest(double bytes, OctreeRoots& roots);
 
 /// Joins eight roots in one, again and again, at most so often, while that saves bytes; returns how
 /// often. `make_root` makes those that the grid lacks.
-[[nodiscard]] int join_roots(const LatticeSurface& surface, int most, const RootMaker& make_root,
-                             OctreeRoots& roots);
+[[nodiscard]] int join_roots(int most, const RootMaker& make_root, OctreeRoots& roots);
 
 /// Parts each root into eight, where the octree takes hardly more bytes by that; returns whether.
 /// `make_root` makes those of a root that is not divided.

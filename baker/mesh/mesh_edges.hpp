@@ -34,4 +34,9 @@ void for_each_edge(const std::vector<HalfEdge>& edges, Visit visit) {
   }
 }
 
+/// Of each of so many vertices, whether a side that ends there is passed more often one way than
+/// the other.
+[[nodiscard]] std::vector<char> open_vertices(std::size_t vertices,
+                                              const std::vector<Triangle>& triangles);
+
 }  // namespace spm::baker

@@ -272,4 +272,15 @@ Orientation orient(std::span<const Vector3> points, std::vector<Triangle>& trian
   return orientation;
 }
 
+std::vector<char> open_vertices(std::size_t vertices, const std::vector<Triangle>& triangles) {
+  std::vector<char> open(vertices, 0);
+  for_each_edge(sorted_edges(triangles), [&](std::span<const HalfEdge> users) {
+    const auto forward = std::count_if(users.begin(), users.end(),
+                                       [](const HalfEdge& user) { return user.forward; });
+    if (users[0].low == users[0].high || 2 * forward == std::ssize(users)) return;
+    open[users[0].low] = open[users[0].high] = 1;
+  });
+  return open;
+}
+
 }  // namespace spm::baker

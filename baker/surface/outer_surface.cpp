@@ -4,7 +4,6 @@
 #include <algorithm>
 #include <cstdint>
 #include <memory>
-#include <numeric>
 #include <span>
 #include <utility>
 
@@ -63,25 +62,15 @@ constexpr double hair = 1e-7;
   return solids;
 }
 
-/// The vertices of sides that the solids' triangles pass more often one way than the other, where
-/// vertices within a distance, m, are one.
-[[nodiscard]] std::vector<std::uint32_t> open_vertices(const std::vector<Vector3>& vertices,
-                                                       std::vector<Triangle> solids,
-                                                       double distance = 0) {
-  std::vector<std::uint32_t> joined(vertices.size());
-  std::iota(joined.begin(), joined.end(), 0U);
-  if (distance > 0) joined = join_vertices(vertices, distance);
+/// Whether solids close where vertices within a distance, m, are one.
+[[nodiscard]] bool closes(const std::vector<Vector3>& vertices, std::vector<Triangle> solids,
+                          double distance) {
+  const std::vector<std::uint32_t> joined = join_vertices(vertices, distance);
   for (Triangle& triangle : solids) {
     for (std::uint32_t& corner : triangle) corner = joined[corner];
   }
-  std::vector<std::uint32_t> open;
-  for_each_edge(sorted_edges(solids), [&](std::span<const HalfEdge> users) {
-    const auto forward = std::count_if(users.begin(), users.end(),
-                                       [](const HalfEdge& user) { return user.forward; });
-    if (users[0].low == users[0].high || 2 * forward == std::ssize(users)) return;
-    open.insert(open.end(), {users[0].low, users[0].high});
-  });
-  return open;
+  const std::vector<char> open = open_vertices(vertices.size(), solids);
+  return std::none_of(open.begin(), open.end(), [](char is_open) { return is_open != 0; });
 }
 
 /// Keeps vertices that triangles refer to.
@@ -115,26 +104,20 @@ void close_gaps(const Mesh& mesh, std::span<const TrianglePair> facing, double n
   surface.hidden += left.hidden;
   surface.hidden_area += left.hidden_area;
   loose = std::move(left.triangles);
-  const std::vector<Triangle> felt = solids_among(loose);
-  if (open_vertices(surface.vertices, felt).empty() ||
-      open_vertices(surface.vertices, felt, narrow).empty()) {
-    return;
-  }
+  if (left.hidden == 0 || closes(surface.vertices, solids_among(loose), narrow)) return;
   // Alone, hairs may reach into the solid.
   std::erase_if(loose, [&](const LooseTriangle& one) {
     const auto& [a, b, c] = one.corners;
     return triangle_height(surface.vertices[a], surface.vertices[b], surface.vertices[c]) <=
            hair * mesh.diagonal;
   });
-  std::vector<char> doubtful(surface.vertices.size(), 0), faced(mesh.triangles.size(), 0);
-  for (const std::uint32_t vertex : open_vertices(surface.vertices, solids_among(loose))) {
-    doubtful[vertex] = 1;
-  }
+  const std::vector<char> open = open_vertices(surface.vertices.size(), solids_among(loose));
+  std::vector<char> faced(mesh.triangles.size(), 0);
   for (const auto& [one, other] : facing) faced[one] = faced[other] = 1;
   for (const LooseTriangle& one : loose) {
     if (one.sheet) continue;
     const bool at_open = std::any_of(one.corners.begin(), one.corners.end(),
-                                     [&](std::uint32_t corner) { return doubtful[corner] != 0; });
+                                     [&](std::uint32_t corner) { return open[corner] != 0; });
     sides->doubtful.push_back(at_open || faced[one.parent] != 0 ? 1 : 0);
   }
   sides->gap = 1.5 * narrow;
