@@ -57,9 +57,6 @@ class PairTest {
     if (first >= solids_) return false;
     const double along = up.dot(other), turned = second < solids_ ? along : -std::abs(along);
     if (!(turned < facing_cosine * up.norm() * other.norm())) return false;
-    for (const std::uint32_t corner : a) {
-      if (std::find(b.begin(), b.end(), corner) != b.end()) return false;
-    }
     return (is_near(a, b) || is_near(b, a)) && cover(a, b);
   }
 

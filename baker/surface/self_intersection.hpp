@@ -17,7 +17,7 @@ using TrianglePair = std::pair<std::uint32_t, std::uint32_t>;
 struct MeetingPairs {
   /// They have more in common than the corner or edge that they share; by exact predicates.
   std::vector<TrianglePair> crossing;
-  /// They share no corner, face each other and cover each other in part, and one lies within a
+  /// They face each other and cover each other in part, and one lies within a
   /// distance of the other's plane. A sheet faces both ways; two sheets are no such pair. Some of
   /// them cross as well.
   std::vector<TrianglePair> facing;

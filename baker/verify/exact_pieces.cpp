@@ -80,17 +80,13 @@ std::vector<Segment> meeting(const Frame& frame, const Corners& other, double to
   return segments;
 }
 
-/// Whether a triangle that shares no corner with the one of a frame faces it, or lies along it
+/// Whether a triangle faces the one of a frame, or lies along it
 /// where that one is a sheet's, and one lies within the narrow distance of the other's plane.
 bool faces(const Frame& frame, const Corners& own, const Corners& other, double narrow,
            bool sheet) {
   constexpr double opposite = -0.98;
   const double along = frame.n.dot(normal_of(other));
   if (!(narrow > 0) || !((sheet ? -std::abs(along) : along) < opposite)) return false;
-  const bool hinged = std::any_of(own.begin(), own.end(), [&](const Vector3& corner) {
-    return std::find(other.begin(), other.end(), corner) != other.end();
-  });
-  if (hinged) return false;
   const Frame back(other);
   const auto within = [narrow](const Frame& plane, const Corners& corners) {
     return std::all_of(corners.begin(), corners.end(), [&](const Vector3& corner) {
