@@ -63,6 +63,7 @@ struct Mesh {
   std::vector<Vector3> vertices;    ///< all are referenced
   std::vector<Triangle> triangles;  ///< no index out of range, no zero area
   std::size_t sheet_triangles = 0;  ///< so many of them, the last, are of sheets
+  std::size_t lid_triangles = 0;    ///< so many before these are of lids
   std::string path;
   std::string sha256;       ///< of the file's bytes; see mesh_sha256
   double unit = 1;          ///< metres per unit of the file

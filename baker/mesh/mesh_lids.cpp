@@ -233,6 +233,7 @@ Lids add_lids(std::span<const Vector3> points, OpenAs open_as, std::vector<Trian
     found.sheet.push_back(sheets.contains(surfaces.of(t)) ? 1 : 0);
   }
   triangles.insert(triangles.end(), all.begin(), all.end());
+  found.added = all.size();
   found.sheet.resize(triangles.size(), 0);
   std::stable_sort(found.holes.begin(), found.holes.end(),
                    [](const Hole& a, const Hole& b) { return a.area > b.area; });

@@ -14,6 +14,7 @@ struct Lids {
   std::vector<Hole> holes;   ///< that lids close, largest first
   std::vector<char> sheet;   ///< by triangle, whether it is a sheet's
   std::uint32_t sheets = 0;  ///< parts that are sheets
+  std::size_t added = 0;     ///< triangles of lids
 };
 
 /// Closes small holes, as scans have them: an open surface whose lids take no more than 5 % of its

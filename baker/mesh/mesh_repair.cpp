@@ -185,9 +185,15 @@ void repair(PolygonSoup soup, Mesh& mesh) {
     const Counted inverted = orient(soup.points, mesh.triangles).inverted;
     orientation.inverted.add(inverted.count, inverted.vertex);
   }
-  drop_zero_area(soup.points, mesh.triangles, changes.dropped);
-  drop_zero_area(soup.points, sheets, changes.dropped);
+  const auto first = mesh.triangles.end() - static_cast<std::ptrdiff_t>(lids.added);
+  std::vector<Triangle> covers(first, mesh.triangles.end());
+  mesh.triangles.erase(first, mesh.triangles.end());
+  for (std::vector<Triangle>* some : {&mesh.triangles, &covers, &sheets}) {
+    drop_zero_area(soup.points, *some, changes.dropped);
+  }
+  mesh.lid_triangles = covers.size();
   mesh.sheet_triangles = sheets.size();
+  mesh.triangles.insert(mesh.triangles.end(), covers.begin(), covers.end());
   mesh.triangles.insert(mesh.triangles.end(), sheets.begin(), sheets.end());
   mesh.components = orientation.components;
   mesh.inverted_components = static_cast<std::uint32_t>(orientation.inverted.count);

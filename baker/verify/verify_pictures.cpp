@@ -34,6 +34,32 @@ Vector3 axis_of_cut(const Vector3& normal) {
   return Vector3::Unit(flattest);
 }
 
+namespace taken_colours {
+constexpr Colour solid{0.75, 0.75, 0.75}, lid{0.95, 0.6, 0.2}, sheet{0.3, 0.55, 0.9};
+}
+
+/// A caster whose rays meet sheets as well.
+Caster caster_to_see(OuterSurface surface) {
+  surface.solid_count = surface.triangles.size();
+  surface.sides = nullptr;
+  return Caster(surface);
+}
+
+/// The mesh, coloured by what its triangles are taken for.
+Picture taken_picture(const Mesh& mesh, const Window& window) {
+  OuterSurface whole;
+  whole.vertices = mesh.vertices;
+  whole.triangles = mesh.triangles;
+  const Caster surface = caster_to_see(whole);
+  const auto colour_at = [&](const Vector3& place, const Vector3&) -> std::optional<Colour> {
+    const std::size_t triangle = surface.closest(place).triangle;
+    if (triangle >= mesh.solid_triangles()) return taken_colours::sheet;
+    return triangle + mesh.lid_triangles >= mesh.solid_triangles() ? taken_colours::lid
+                                                                   : taken_colours::solid;
+  };
+  return coloured_surface(surface, window, side, colour_at);
+}
+
 /// What colours of errors mean, and where the windows lie.
 class Legends {
  public:
@@ -46,6 +72,14 @@ class Legends {
     return {"Left: the mesh. Right: the surface as the asset holds it." + from_,
             {},
             {},
+            whole.edge / side};
+  }
+  [[nodiscard]] Legend taken(const Window& whole) const {
+    return {"What the mesh is taken for. Left: seen as the others. Right: from behind." + from_,
+            {},
+            {{taken_colours::solid, "a solid"},
+             {taken_colours::lid, "a lid that closes a hole of it"},
+             {taken_colours::sheet, "a sheet, felt from both sides"}},
             whole.edge / side};
   }
   [[nodiscard]] Legend structure(const Window& whole, const Window& cut) const {
@@ -91,7 +125,7 @@ std::vector<NamedPicture> error_pictures(const AssetView& view, const AssetMetad
   const Mesh mesh = mesh_of_asset(metadata, mesh_path);
   const double tolerance = answer_tolerance(metadata);
   const ExactSurface exact(mesh, metadata.sheet_thickness, tolerance);
-  const Caster surface(outer_surface(mesh), metadata.sheet_thickness);
+  const Caster surface = caster_to_see(outer_surface(mesh));
   const Caster known = caster_of(known_surface(view));
 
   const bool hard = report.adversarial.distance.max > report.distance.max;
@@ -115,9 +149,13 @@ std::vector<NamedPicture> error_pictures(const AssetView& view, const AssetMetad
   const std::array<Picture, 2> direction{
       direction_beside_surface(surface, directions, inside, whole, side),
       direction_beside_surface(surface, directions, inside, close, side)};
+  const std::array<Picture, 2> taken{
+      taken_picture(mesh, whole),
+      taken_picture(mesh, whole_of(mesh.box_min, mesh.box_max, -whole.toward))};
   const Legends legends(scale.tolerance, whole.toward);
   return {
       {"surface.png", with_legend(contact_sheet(both, side), legends.surface(whole))},
+      {"taken.png", with_legend(contact_sheet(taken, side), legends.taken(whole))},
       {"structure.png",
        with_legend(contact_sheet(structure, side), legends.structure(whole, wide_cut))},
       {"direction.png",

@@ -103,6 +103,28 @@ def bakes_table(reports: dict) -> list[str]:
                   "unanswered, places / hard places", "wrong side, %, places / hard places"], rows)
 
 
+def wild_table(reports: dict, folder: str) -> list[str]:
+    """Each mesh of a folder that people have, as an older program and this one took it."""
+    if "wild" not in reports:
+        return [NOT_MEASURED]
+
+    def outcome(row: dict) -> str:
+        if not row:
+            return ""
+        if row["build"] != 0:
+            return f"{row['build']}"
+        return "kept" if row["verify"] == 0 else f"0, then {row['verify']}"
+
+    def cells(row: dict) -> list[str]:
+        before = row["before"]
+        return [f"`{row['mesh']}`", f"{row['triangles']:,}" if "triangles" in row else "",
+                outcome(before), f"{before['seconds']:.1f} s" if before else "", outcome(row),
+                f"{row['seconds']:.1f} s"]
+
+    return table(["mesh", "triangles", "before", "processor time", "now", "processor time"],
+                 [cells(row) for row in reports["wild"]["rows"] if row["folder"] == folder])
+
+
 def bake_times_table(reports: dict) -> list[str]:
     """Bakes of an older program and of this one, in turns, by stage."""
     if "bake_times" not in reports:
@@ -427,7 +449,7 @@ TABLES = {
     "costs_table": costs_table,
     "culling_table": culling_table, "forces_table": forces_table,
     "failing_table": lambda reports: failing_lines(reports["stability"])[2:-1],
-    "default_table": default_table, "laboratory_table": laboratory_table, "made": made,
+    "default_table": default_table, "wild_table": wild_table, "laboratory_table": laboratory_table, "made": made,
     "methods_table": methods_table,
     "probes_table": probes_table,
     "paper_tables": lambda reports: paper_tables(reports["tables"]),

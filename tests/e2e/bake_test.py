@@ -302,7 +302,7 @@ class Bake(Case):
         pictures = self.path("errors")
         report = self.run_json("verify", self.asset, self.mesh, "--samples", "300", "--png", pictures)
         names = ["direction.png", "error-section.png", "error-worst.png", "error.png",
-                 "structure.png", "surface.png"]
+                 "structure.png", "surface.png", "taken.png"]
         self.assertEqual(sorted(os.listdir(pictures)), names)
         self.assertEqual(sorted(map(os.path.basename, report["pictures"])), names)
         for name in names:

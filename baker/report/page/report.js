@@ -15,6 +15,8 @@ const CAPTIONS = {
   'maps.png': 'The distance maps of the support planes that have the most, seen along each normal: bright is near '
     + 'the plane, dark grey has no sample.',
   'surface.png': 'The mesh, and beside it the surface as the asset holds it.',
+  'taken.png': 'What the mesh is taken for, from two sides: grey solids, orange lids that close holes, '
+    + 'blue sheets, which are felt from both sides.',
   'structure.png': 'What answers where, on the surface and in a cut: blue one polynomial, green two, '
     + 'yellow up to eight triangles, red more, grey deeper than the band, violet left out.',
   'direction.png': 'Errors of directions an eighth of the band inside, whole and close: dark blue none, '
