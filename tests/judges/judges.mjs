@@ -56,7 +56,22 @@ async function manifoldJudge() {
   })
 }
 
+// Whether each side is passed as often one way as the other, where vertices at one place are one.
+function isClosed() {
+  const at = vertices.map((vertex) => vertex.join(' '))
+  const balance = new Map()
+  for (const [a, b, c] of triangles) {
+    for (const [from, to] of [[at[a], at[b]], [at[b], at[c]], [at[c], at[a]]]) {
+      if (from === to) continue
+      const [key, way] = from < to ? [`${from},${to}`, 1] : [`${to},${from}`, -1]
+      balance.set(key, (balance.get(key) ?? 0) + way)
+    }
+  }
+  return [...balance.values()].every((count) => count === 0)
+}
+
 function bvhJudge() {
+  if (!isClosed()) return { judge: 'three-mesh-bvh raycast', not_asked: 'the surface is open, and rays count crossings' }
   const geometry = new BufferGeometry()
   geometry.setAttribute('position', new BufferAttribute(new Float64Array(vertices.flat()), 3))
   geometry.setIndex(triangles.flat())
