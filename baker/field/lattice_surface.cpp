@@ -160,8 +160,9 @@ void add_crossed(const ClosedSurfaces& sides, LatticeSurface& lattice) {
       lattice.surface.triangles.begin() + static_cast<std::ptrdiff_t>(lattice.surface.solid_count));
   const std::vector<char> open = open_vertices(lattice.surface.vertices.size(), felt);
   for (const Triangle& corners : felt) {
-    all.doubtful.push_back(std::any_of(corners.begin(), corners.end(),
-                                       [&](std::uint32_t corner) { return open[corner] != 0; }));
+    const bool at_open = std::any_of(corners.begin(), corners.end(),
+                                     [&](std::uint32_t corner) { return open[corner] != 0; });
+    all.doubtful.push_back(at_open ? 1 : 0);
   }
   lattice.surface.sides = std::make_shared<ClosedSurfaces>(std::move(all));
 }
