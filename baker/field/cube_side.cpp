@@ -40,8 +40,7 @@ bool reaches(const LatticeTriangle& triangle, const Cube& cube, double distance)
   return low.maxCoeff() <= cube.half + distance && -high.minCoeff() <= cube.half + distance;
 }
 
-}  // namespace
-
+/// Whether places beside some part of a triangle are told by crossings alone.
 bool is_doubted(FeatureSides sides) noexcept {
   for (unsigned part = 0; part < 7; ++part) {
     if ((unsigned{sides} >> 2U * part & 3U) == static_cast<unsigned>(FeatureSide::by_crossings)) {
@@ -49,6 +48,14 @@ bool is_doubted(FeatureSides sides) noexcept {
     }
   }
   return false;
+}
+
+}  // namespace
+
+bool any_doubted(const LatticeSurface& surface, std::span<const std::uint32_t> triangles) {
+  return std::any_of(triangles.begin(), triangles.end(), [&](std::uint32_t triangle) {
+    return is_doubted(surface.triangles[triangle].sides);
+  });
 }
 
 bool CubeSide::is_inside(const LatticeSurface& surface, const Cube& cube, const Vector3& point,
@@ -69,10 +76,7 @@ std::optional<CubeSide> find_cube_side(const LatticeSurface& surface, const Cube
                                        std::vector<std::uint32_t> solids) {
   // Nearer than that, what rounding moved might lie between.
   const double least = std::max(known_place_room * cube.half, 2 * surface.displacement);
-  const bool doubted = std::any_of(solids.begin(), solids.end(), [&](std::uint32_t t) {
-    return is_doubted(surface.triangles[t].sides);
-  });
-  const Caster* whole = doubted ? surface.caster->whole() : nullptr;
+  const Caster* whole = any_doubted(surface, solids) ? surface.caster->whole() : nullptr;
   if (whole != nullptr) {
     // Beside a gap what lies across it is asked as well.
     const double beyond = std::max(least, 3 * gap_steps * surface.step);

@@ -3,6 +3,7 @@
 
 #include <cstdint>
 #include <optional>
+#include <span>
 #include <vector>
 
 #include "baker/field/cube_candidates.hpp"
@@ -21,8 +22,9 @@ struct CubeSide {
                                const Vector3& point, double away) const;
 };
 
-/// Whether places beside some part of a triangle are told by crossings alone.
-[[nodiscard]] bool is_doubted(FeatureSides sides) noexcept;
+/// Whether places beside some part of one of these triangles are told by crossings alone.
+[[nodiscard]] bool any_doubted(const LatticeSurface& surface,
+                               std::span<const std::uint32_t> triangles);
 
 /// The place is, of the cube's corners and its middle, the farthest from what may be crossed:
 /// LatticeSurface::crossed where one of `solids` is doubted, or else these, which are all triangles

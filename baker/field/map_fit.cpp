@@ -226,12 +226,8 @@ std::vector<CubeSample> sample_cube(const LatticeSurface& surface, const Candida
   std::optional<CubeSide> side;
   if (!inside && !surface.crossed.empty()) {
     std::vector<std::uint32_t> solids;
-    bool doubted = false;
-    for (const Candidate& candidate : all.solids.triangles) {
-      solids.push_back(candidate.triangle);
-      doubted = doubted || is_doubted(surface.triangles[candidate.triangle].sides);
-    }
-    if (doubted) side = find_cube_side(surface, cube, std::move(solids));
+    for (const Candidate& candidate : all.solids.triangles) solids.push_back(candidate.triangle);
+    if (any_doubted(surface, solids)) side = find_cube_side(surface, cube, std::move(solids));
   }
   std::vector<CubeSample> samples(std::size_t{nodes} * nodes * nodes);
   for (std::size_t block = 0; block < 8; ++block) {

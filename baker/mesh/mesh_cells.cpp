@@ -44,10 +44,6 @@ namespace {
   return open;
 }
 
-/// Of a triangle the side that its normal points to, and the other.
-[[nodiscard]] std::uint32_t front(std::uint32_t triangle) { return 2 * triangle; }
-[[nodiscard]] std::uint32_t back(std::uint32_t triangle) { return 2 * triangle + 1; }
-
 /// Joins the sides of triangles that face each other around edges. Parts in which that is not clear
 /// are no longer looked at.
 [[nodiscard]] Groups cells_of(std::span<const Vector3> points,
@@ -58,19 +54,14 @@ namespace {
   for_each_edge(edges, [&](std::span<const HalfEdge> users) {
     char& wanted = divided[parts.of(users[0].triangle)];
     if (wanted == 0) return;
-    const std::vector<FanLeaf> fan = triangle_fan(triangles, users, [&](std::uint32_t vertex) {
-      const Vector3& p = points[vertex];
-      return ExactKernel::Point_3(p.x(), p.y(), p.z());
-    });
+    const std::vector<FanLeaf> fan = triangle_fan(
+        triangles, users, [&](std::uint32_t vertex) { return exact_point(points[vertex]); });
     if (std::any_of(fan.begin(), fan.end(), [](const FanLeaf& leaf) { return leaf.on_last; })) {
       wanted = 0;
       return;
     }
     for (std::size_t i = 0; i < fan.size(); ++i) {
-      const HalfEdge &one = fan[i].user, &next = fan[(i + 1) % fan.size()].user;
-      // The normal of one that runs from low to high points to the next.
-      cells.join(one.forward ? front(one.triangle) : back(one.triangle),
-                 next.forward ? back(next.triangle) : front(next.triangle));
+      cells.join(ahead(fan[i].user), behind(fan[(i + 1) % fan.size()].user));
     }
   });
   return cells;

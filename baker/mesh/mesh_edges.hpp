@@ -1,8 +1,10 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <algorithm>
 #include <cstddef>
 #include <cstdint>
+#include <iterator>
 #include <span>
 #include <vector>
 
@@ -32,6 +34,13 @@ void for_each_edge(const std::vector<HalfEdge>& edges, Visit visit) {
     visit(std::span(edges).subspan(begin, end - begin));
     begin = end;
   }
+}
+
+/// Whether the users of an edge pass it as often one way as the other.
+[[nodiscard]] inline bool is_balanced(std::span<const HalfEdge> users) {
+  return 2 * std::count_if(users.begin(), users.end(),
+                           [](const HalfEdge& user) { return user.forward; }) ==
+         std::ssize(users);
 }
 
 /// Of each of so many vertices, whether a side that ends there is passed more often one way than

@@ -13,6 +13,7 @@
 
 #include "baker/base/groups.hpp"
 #include "baker/mesh/mesh_edges.hpp"
+#include "baker/mesh/triangle_height.hpp"
 
 namespace spm::baker {
 namespace {
@@ -26,7 +27,7 @@ using Loop = std::vector<std::uint32_t>;
 
 [[nodiscard]] double area_of(std::span<const Vector3> points, std::uint32_t a, std::uint32_t b,
                              std::uint32_t c) {
-  return (points[b] - points[a]).cross(points[c] - points[a]).norm() / 2;
+  return triangle_area(points[a], points[b], points[c]);
 }
 
 /// The open surfaces of a mesh: patches of neighbours that are open, joined where they meet.

@@ -237,9 +237,7 @@ class Turner {
 [[nodiscard]] Counted count_border_edges(const std::vector<Triangle>& triangles) {
   Counted border;
   for_each_edge(sorted_edges(triangles), [&](std::span<const HalfEdge> users) {
-    const auto forward = std::count_if(users.begin(), users.end(),
-                                       [](const HalfEdge& user) { return user.forward; });
-    if (2 * forward != static_cast<std::ptrdiff_t>(users.size())) border.add(1, users[0].low);
+    if (!is_balanced(users)) border.add(1, users[0].low);
   });
   return border;
 }
@@ -275,9 +273,7 @@ Orientation orient(std::span<const Vector3> points, std::vector<Triangle>& trian
 std::vector<char> open_vertices(std::size_t vertices, const std::vector<Triangle>& triangles) {
   std::vector<char> open(vertices, 0);
   for_each_edge(sorted_edges(triangles), [&](std::span<const HalfEdge> users) {
-    const auto forward = std::count_if(users.begin(), users.end(),
-                                       [](const HalfEdge& user) { return user.forward; });
-    if (users[0].low == users[0].high || 2 * forward == std::ssize(users)) return;
+    if (users[0].low == users[0].high || is_balanced(users)) return;
     open[users[0].low] = open[users[0].high] = 1;
   });
   return open;

@@ -15,6 +15,26 @@ namespace spm::baker {
 /// Not thread-safe in CGAL 5.5: what constructs by it stays on one thread.
 using ExactKernel = CGAL::Exact_predicates_exact_constructions_kernel;
 
+[[nodiscard]] inline ExactKernel::Point_3 exact_point(const Vector3& p) {
+  return {p.x(), p.y(), p.z()};
+}
+
+/// The two sides of a triangle by number: the one that its normal points to, and the other.
+[[nodiscard]] constexpr std::uint32_t front(std::uint32_t triangle) noexcept {
+  return 2 * triangle;
+}
+[[nodiscard]] constexpr std::uint32_t back(std::uint32_t triangle) noexcept {
+  return 2 * triangle + 1;
+}
+
+/// Of a triangle at an edge the side that faces the next one around it, and the one before.
+[[nodiscard]] constexpr std::uint32_t ahead(const HalfEdge& user) noexcept {
+  return user.forward ? front(user.triangle) : back(user.triangle);
+}
+[[nodiscard]] constexpr std::uint32_t behind(const HalfEdge& user) noexcept {
+  return user.forward ? back(user.triangle) : front(user.triangle);
+}
+
 /// A triangle at an edge.
 struct FanLeaf {
   HalfEdge user;

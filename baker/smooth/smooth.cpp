@@ -14,6 +14,7 @@
 #include "baker/base/bake_error.hpp"
 #include "baker/base/progress_counter.hpp"
 #include "baker/cast/cast.hpp"
+#include "baker/mesh/triangle_height.hpp"
 #include "baker/smooth/mesh_refine.hpp"
 #include "baker/smooth/mesh_window.hpp"
 #include "baker/smooth/surface_mesh.hpp"
@@ -47,7 +48,7 @@ constexpr std::size_t grain = 64;
 }
 
 double area_of(const std::vector<Vector3>& points, const Triangle& t) {
-  return (points[t[1]] - points[t[0]]).cross(points[t[2]] - points[t[0]]).norm() / 2;
+  return triangle_area(points[t[0]], points[t[1]], points[t[2]]);
 }
 
 /// The outer surface without its sheets, which stay as they are.

@@ -140,8 +140,7 @@ Felt without_narrow_gaps(const Mesh& mesh, std::span<const TrianglePair> facing,
         left.triangles.back().corners = split.pieces[begin];
       } else {
         ++left.hidden;
-        left.hidden_area +=
-            (split.points[b] - split.points[a]).cross(split.points[c] - split.points[a]).norm() / 2;
+        left.hidden_area += triangle_area(split.points[a], split.points[b], split.points[c]);
       }
     }
   }

@@ -24,10 +24,6 @@ namespace {
 /// surfaces cross at next to no angle, rounding leaves hairs.
 constexpr double hair = 1e-7;
 
-[[nodiscard]] double area_of(std::span<const Vector3> points, const Triangle& t) {
-  return (points[t[1]] - points[t[0]]).cross(points[t[2]] - points[t[0]]).norm() / 2;
-}
-
 /// The pieces that bound the union of the solids, and all of sheets.
 [[nodiscard]] std::vector<LooseTriangle> bounding_pieces(const Mesh& mesh, const SplitMesh& split,
                                                          OuterSurface& surface) {
@@ -44,7 +40,8 @@ constexpr double hair = 1e-7;
       const PieceWinding& here = sides[piece];
       if ((here.front > 0) == (here.back > 0) || here.repeated) {
         ++surface.hidden;
-        surface.hidden_area += area_of(split.points, one.corners);
+        const auto& [a, b, c] = one.corners;
+        surface.hidden_area += triangle_area(split.points[a], split.points[b], split.points[c]);
         continue;
       }
       if (here.front > 0) std::swap(one.corners[1], one.corners[2]);
@@ -104,7 +101,8 @@ void close_gaps(const Mesh& mesh, std::span<const TrianglePair> facing, double n
   surface.hidden += left.hidden;
   surface.hidden_area += left.hidden_area;
   loose = std::move(left.triangles);
-  if (left.hidden == 0 || closes(surface.vertices, solids_among(loose), narrow)) return;
+  if (left.hidden == 0 || !(narrow > 0)) return;
+  if (closes(surface.vertices, solids_among(loose), narrow)) return;
   // Alone, hairs may reach into the solid.
   std::erase_if(loose, [&](const LooseTriangle& one) {
     const auto& [a, b, c] = one.corners;

@@ -26,9 +26,6 @@ constexpr double share_of_width = 1e-3, least_offset = 1e-10, most_offset = 1e-9
 /// changes across them. Others lie closer to each other than that.
 constexpr std::size_t most_asked = 200, enough_agree = 5;
 
-[[nodiscard]] std::uint32_t front(std::uint32_t piece) { return 2 * piece; }
-[[nodiscard]] std::uint32_t back(std::uint32_t piece) { return 2 * piece + 1; }
-
 /// What lies between pieces: of which sides it is bounded, and by how much the winding number
 /// changes from one to the next.
 class Cells {
@@ -83,19 +80,11 @@ class Cells {
     }
     for (std::size_t i = 0; i < stacks.size(); ++i) {
       const auto here = stacks[i], next = stacks[(i + 1) % stacks.size()];
-      // The normal of one that runs from low to high points to the next.
       const std::uint32_t side = ahead(here[0].user);
       for (const FanLeaf& leaf : here) sides_.join(side, ahead(leaf.user));
       for (const FanLeaf& leaf : next) sides_.join(side, behind(leaf.user));
       if (here.size() > 1) add_stack(here);
     }
-  }
-
-  [[nodiscard]] static std::uint32_t ahead(const HalfEdge& user) {
-    return user.forward ? front(user.triangle) : back(user.triangle);
-  }
-  [[nodiscard]] static std::uint32_t behind(const HalfEdge& user) {
-    return user.forward ? back(user.triangle) : front(user.triangle);
   }
 
   void add_stack(std::span<const FanLeaf> leaves) {
@@ -198,10 +187,10 @@ std::vector<PieceWinding> winding_of_pieces(const SplitMesh& split, std::size_t 
       const std::uint32_t cell = reached.back();
       reached.pop_back();
       for (const std::uint32_t piece : bounds.of(cell, cell)) {
-        const std::uint32_t before = cells.cell(front(piece)), behind = cells.cell(back(piece));
-        const std::uint32_t other = cell == before ? behind : before;
+        const std::uint32_t in_front = cells.cell(front(piece));
+        const std::uint32_t other = cell == in_front ? cells.cell(back(piece)) : in_front;
         if (levels[other]) continue;
-        levels[other] = *levels[cell] + (cell == before ? 1 : -1) * cells.jump(piece);
+        levels[other] = *levels[cell] + (cell == in_front ? 1 : -1) * cells.jump(piece);
         reached.push_back(other);
       }
     }
@@ -210,9 +199,9 @@ std::vector<PieceWinding> winding_of_pieces(const SplitMesh& split, std::size_t 
     for (; end < order.size() && cells.part(order[end]) == part; ++end) {
       if (bases.size() >= enough_agree || ++asked > most_asked) continue;
       const std::uint32_t piece = order[end];
-      const auto [before, behind] = asked_beside(split, piece, winding, diagonal);
-      (behind - before == cells.jump(piece) ? bases : doubted)
-          .push_back(before - *levels[cells.cell(front(piece))]);
+      const auto [in_front, at_back] = asked_beside(split, piece, winding, diagonal);
+      (at_back - in_front == cells.jump(piece) ? bases : doubted)
+          .push_back(in_front - *levels[cells.cell(front(piece))]);
     }
     const int base = middle_of(bases.empty() ? doubted : bases);
     for (; begin < end; ++begin) {

@@ -34,8 +34,6 @@ void add_outline(const std::vector<Exact::Point_3>& outline, Cuts& cuts) {
   }
 }
 
-[[nodiscard]] Exact::Point_3 exact_point(const Vector3& p) { return {p.x(), p.y(), p.z()}; }
-
 /// The nearest double, however the number was computed: the exact value is evaluated first.
 [[nodiscard]] double rounded(const Exact::FT& value) {
   (void)value.exact();
@@ -89,7 +87,6 @@ class Splitter {
   Splitter(std::span<const Vector3> points, std::span<const Triangle> triangles)
       : points_(points), triangles_(triangles) {
     mesh_.points.assign(points.begin(), points.end());
-    for (std::uint32_t i = 0; i < points.size(); ++i) numbers_[key(points[i])].push_back(i);
   }
 
   /// Cuts the triangles of a pair along what they share, or the second alone.
@@ -134,6 +131,10 @@ class Splitter {
   }
 
   [[nodiscard]] SplitMesh finish() {
+    // Only where something is cut are places looked up.
+    for (std::uint32_t i = 0; i < points_.size() && !cuts_.empty(); ++i) {
+      numbers_[key(points_[i])].push_back(i);
+    }
     for (std::uint32_t i = 0; i < triangles_.size(); ++i) {
       const auto cuts = cuts_.find(i);
       if (cuts == cuts_.end()) {

@@ -45,8 +45,8 @@ Caster caster_to_see(OuterSurface surface) {
   return Caster(surface);
 }
 
-/// The mesh, coloured by what its triangles are taken for.
-Picture taken_picture(const Mesh& mesh, const Window& window) {
+/// The mesh from two sides, coloured by what its triangles are taken for.
+std::array<Picture, 2> taken_pictures(const Mesh& mesh, const Vector3& toward) {
   OuterSurface whole;
   whole.vertices = mesh.vertices;
   whole.triangles = mesh.triangles;
@@ -57,7 +57,10 @@ Picture taken_picture(const Mesh& mesh, const Window& window) {
     return triangle + mesh.lid_triangles >= mesh.solid_triangles() ? taken_colours::lid
                                                                    : taken_colours::solid;
   };
-  return coloured_surface(surface, window, side, colour_at);
+  const auto seen = [&](const Vector3& from) {
+    return coloured_surface(surface, whole_of(mesh.box_min, mesh.box_max, from), side, colour_at);
+  };
+  return {seen(toward), seen(-toward)};
 }
 
 /// What colours of errors mean, and where the windows lie.
@@ -149,9 +152,7 @@ std::vector<NamedPicture> error_pictures(const AssetView& view, const AssetMetad
   const std::array<Picture, 2> direction{
       direction_beside_surface(surface, directions, inside, whole, side),
       direction_beside_surface(surface, directions, inside, close, side)};
-  const std::array<Picture, 2> taken{
-      taken_picture(mesh, whole),
-      taken_picture(mesh, whole_of(mesh.box_min, mesh.box_max, -whole.toward))};
+  const std::array<Picture, 2> taken = taken_pictures(mesh, whole.toward);
   const Legends legends(scale.tolerance, whole.toward);
   return {
       {"surface.png", with_legend(contact_sheet(both, side), legends.surface(whole))},
