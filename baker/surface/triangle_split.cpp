@@ -22,15 +22,19 @@ using Face = CGAL::Constrained_triangulation_face_base_2<Exact>;
 using Triangulation = CGAL::Constrained_Delaunay_triangulation_2<
     Exact, CGAL::Triangulation_data_structure_2<Vertex, Face>, CGAL::Exact_intersections_tag>;
 
-/// The traces of other triangles on one: points and segments of its own plane.
+/// The traces of other triangles on one: points and segments of its own plane, and segments as they
+/// are seen along its projection.
 struct Cuts {
   std::vector<Exact::Point_3> points;
   std::vector<std::pair<Exact::Point_3, Exact::Point_3>> segments;
+  std::vector<std::pair<Exact::Point_2, Exact::Point_2>> seen;
 };
 
-void add_outline(const std::vector<Exact::Point_3>& outline, Cuts& cuts) {
+template <class Point>
+void add_outline(const std::vector<Point>& outline,
+                 std::vector<std::pair<Point, Point>>& segments) {
   for (std::size_t i = 0; i < outline.size(); ++i) {
-    cuts.segments.emplace_back(outline[i], outline[(i + 1) % outline.size()]);
+    segments.emplace_back(outline[i], outline[(i + 1) % outline.size()]);
   }
 }
 
@@ -100,9 +104,9 @@ class Splitter {
     } else if (const auto* segment = CGAL::object_cast<Exact::Segment_3>(&common)) {
       cuts.segments.emplace_back(segment->source(), segment->target());
     } else if (const auto* face = CGAL::object_cast<Exact::Triangle_3>(&common)) {
-      add_outline({face->vertex(0), face->vertex(1), face->vertex(2)}, cuts);
+      add_outline({face->vertex(0), face->vertex(1), face->vertex(2)}, cuts.segments);
     } else if (const auto* outline = CGAL::object_cast<std::vector<Exact::Point_3>>(&common)) {
-      add_outline(*outline, cuts);
+      add_outline(*outline, cuts.segments);
     }
     for (const std::uint32_t side : {pair.first, pair.second}) {
       if (second_alone && side == pair.first) continue;
@@ -112,21 +116,23 @@ class Splitter {
     }
   }
 
-  /// Cuts a triangle along the outline of another, as seen along its normal.
+  /// Cuts a triangle along the outline of another, as seen along the axis that is closest to its
+  /// normal. One that rounding left on a line is not cut.
   void outline(std::uint32_t index, const std::array<Vector3, 3>& other) {
     const std::array<Exact::Point_3, 3> own = corners(index);
+    if (CGAL::collinear(own[0], own[1], own[2])) return;
     const Projection projection(own);
-    const auto flat = [&](const Vector3& point) {
-      return projection.up(projection.down(exact_point(point)));
-    };
-    const Exact::Triangle_3 shadow(flat(other[0]), flat(other[1]), flat(other[2]));
-    const CGAL::Object common =
-        CGAL::intersection(Exact::Triangle_3(own[0], own[1], own[2]), shadow);
-    Cuts& cuts = cuts_[index];
-    if (const auto* face = CGAL::object_cast<Exact::Triangle_3>(&common)) {
-      add_outline({face->vertex(0), face->vertex(1), face->vertex(2)}, cuts);
-    } else if (const auto* outline = CGAL::object_cast<std::vector<Exact::Point_3>>(&common)) {
-      add_outline(*outline, cuts);
+    const auto flat = [&](const Exact::Point_3& point) { return projection.down(point); };
+    const Exact::Triangle_2 seen(flat(own[0]), flat(own[1]), flat(own[2]));
+    Exact::Triangle_2 shadow(flat(exact_point(other[0])), flat(exact_point(other[1])),
+                             flat(exact_point(other[2])));
+    if (shadow.is_degenerate()) return;
+    if (shadow.orientation() == CGAL::CLOCKWISE) shadow = shadow.opposite();
+    const CGAL::Object common = CGAL::intersection(seen, shadow);
+    if (const auto* face = CGAL::object_cast<Exact::Triangle_2>(&common)) {
+      add_outline({face->vertex(0), face->vertex(1), face->vertex(2)}, cuts_[index].seen);
+    } else if (const auto* outline = CGAL::object_cast<std::vector<Exact::Point_2>>(&common)) {
+      add_outline(*outline, cuts_[index].seen);
     }
   }
 
@@ -169,6 +175,7 @@ class Splitter {
     for (const auto& [from, to] : cuts.segments) {
       triangulation.insert_constraint(projection.down(from), projection.down(to));
     }
+    for (const auto& [from, to] : cuts.seen) triangulation.insert_constraint(from, to);
     for (const auto vertex : triangulation.finite_vertex_handles()) {
       vertex->info() = number(projection.up(vertex->point()));
     }

@@ -27,9 +27,9 @@ double cross(const Vector2& a, const Vector2& b) { return a.x() * b.y() - a.y() 
 /// Lengths that count as zero: fixed shares of the mesh's diagonal.
 struct Scale {
   double touching;  ///< points nearer than this to a plane or line are on it
-  double probe;     ///< how far above and below a piece the winding number is evaluated
+  double probe;     ///< how far above and below a sheet the winding number is evaluated at least
   double narrow;    ///< gaps between triangles that face each other within this are closed
-  double wall;      ///< the least that a wall is thick, where it is one
+  double wall;      ///< the same for solids: the least that walls and gaps are thick
   double hair;      ///< pieces of triangles that are lower go: alone they may reach into a solid
 };
 
@@ -197,10 +197,8 @@ Side side_of(const ExactWinding& winding, const Vector3& point, const Frame& fra
   const auto narrows = [&](double height) {
     return inside(height) || inside(height / 4) || inside(height / 16);
   };
-  const double probe = kind.sheet ? std::max(scale.probe, scale.narrow) : scale.probe;
-  const bool above = inside(probe);
-  // Walls, however thin, are walls.
-  const bool below = inside(-probe) || (!above && !kind.sheet && inside(-scale.wall));
+  const double probe = kind.sheet ? std::max(scale.probe, scale.narrow) : scale.wall;
+  const bool above = inside(probe), below = inside(-probe);
   // A sheet is felt where both its sides are outside, also across a narrow gap.
   if (kind.sheet) return above || below ? Side::hidden : Side::outer;
   if (above == below) return Side::hidden;
@@ -273,7 +271,7 @@ Sorted sort_pieces(const ExactWinding& winding, const Frame& frame,
 }  // namespace
 
 SurfacePieces outer_pieces(const Mesh& mesh, const ExactWinding& winding, double narrow) {
-  const Scale scale{1e-9 * mesh.diagonal, 1e-6 * mesh.diagonal, narrow, 5e-9 * mesh.diagonal,
+  const Scale scale{1e-9 * mesh.diagonal, 1e-6 * mesh.diagonal, narrow, 1e-10 * mesh.diagonal,
                     1e-7 * mesh.diagonal};
   const CubeBins near = neighbours(mesh, narrow);
   std::vector<std::vector<Polygon>> polygons(mesh.triangles.size());

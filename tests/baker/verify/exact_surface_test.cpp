@@ -116,6 +116,20 @@ TEST_CASE("The face that two touching boxes share is no surface") {
   CHECK(signed_distance(surface, {0.0101, 0, 0.001}) == Approx(-0.009));
 }
 
+TEST_CASE("A gap is a gap and a wall is a wall, however thin they are") {
+  const Vector3 size(0.02, 0.02, 0.02);
+  // A wedge of air below a box, no higher than a third of a millionth of the diagonal.
+  test::Shape upper = test::moved(test::box(size), {0, 0, 0.02});
+  for (Vector3& vertex : upper.vertices) {
+    if (vertex.x() > 0 && vertex.z() < 0.02) vertex.z() += 1e-8;
+  }
+  CHECK(ExactSurface(test::as_mesh(test::merged(test::box(size), upper))).hidden_area() ==
+        Approx(0).margin(1e-9));
+  test::Shape wall = test::moved(test::box({0.02, 0.02, 1e-11}), {0, 0, 0.02});
+  CHECK(ExactSurface(test::as_mesh(test::merged(test::box(size), wall))).hidden_area() ==
+        Approx(0).margin(1e-9));
+}
+
 TEST_CASE("Boxes that cross at any angle keep the closed form of their union outside") {
   const Vector3 half(0.03, 0.01, 0.015);
   const test::Shape upright = test::box(2 * half);
