@@ -17,9 +17,10 @@ struct LoadOptions {
 };
 
 /// Reads glTF (`.gltf`, `.glb`), 3MF, OBJ, PLY, STL or OFF, also compressed by gzip. Fans polygons
-/// from their first vertex, merges equal points, drops zero-area and duplicated triangles, orients,
-/// stitches and turns inverted components, then scales. Throws BakeError: file_or_device, or
-/// invalid_input, which names file, place, cause and what to do.
+/// from their first vertex, or spans them by the least area where fans fold, merges equal points,
+/// drops zero-area and duplicated triangles, orients, stitches and turns inverted components, then
+/// scales. Throws BakeError: file_or_device, or invalid_input, which names file, place, cause and
+/// what to do.
 [[nodiscard]] Mesh load_mesh(const std::string& path, const LoadOptions& options);
 
 }  // namespace spm::baker

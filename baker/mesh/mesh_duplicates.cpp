@@ -32,7 +32,7 @@ struct Corners {
 struct Choice {
   std::vector<char> keep;
   std::vector<std::uint32_t> walls;   ///< the first of each pair of triangles that face each other
-  std::vector<std::uint32_t> extras;  ///< triangles that face the same way as one that is kept
+  std::vector<std::uint32_t> extras;  ///< one that faces the same way for each that is kept
 };
 
 [[nodiscard]] Choice choose(const std::vector<Triangle>& triangles) {
@@ -54,15 +54,15 @@ struct Choice {
       balance += corners[order[end]].sense;
     }
     if (balance == 0) choice.walls.push_back(order[begin]);
-    int wanted = std::abs(balance);
-    for (std::size_t i = begin; i < end && wanted > 0; ++i) {
+    bool kept = false;
+    for (std::size_t i = begin; i < end && balance != 0; ++i) {
       if ((corners[order[i]].sense > 0) != (balance > 0)) continue;
-      if (wanted == std::abs(balance)) {
-        choice.keep[order[i]] = 1;
-      } else {
-        choice.extras.push_back(order[i]);
+      if (kept) {
+        if (std::abs(balance) > 1) choice.extras.push_back(order[i]);
+        break;
       }
-      --wanted;
+      choice.keep[order[i]] = 1;
+      kept = true;
     }
     begin = end;
   }
@@ -79,19 +79,30 @@ void for_each_edge(const Triangle& triangle, Visit visit) {
 /// How many triangles use each edge of some of them.
 using EdgeUses = std::map<Edge, std::uint32_t>;
 
-/// The edges that are open without a group of triangles, less those that it opens.
-[[nodiscard]] std::int64_t closed_by(const EdgeUses& group, const EdgeUses& kept) {
+/// The edges that are open without a group of triangles, less those that it opens. Where nothing
+/// but the group and so many copies of it meet, nothing opens.
+[[nodiscard]] std::int64_t closed_by(const EdgeUses& group, const EdgeUses& kept,
+                                     std::uint32_t copies) {
   std::int64_t closed = 0;
   for (const auto& [edge, uses] : group) {
     const std::uint32_t others = kept.at(edge);
+    if (others == copies * uses) continue;
     closed += static_cast<std::int64_t>(others % 2) - (others + uses) % 2;
   }
   return closed;
 }
 
-/// Keeps the connected groups of triangles in doubt without which more edges would be open.
+/// Whether a group of triangles ends where nothing else is.
+[[nodiscard]] bool ends_freely(const EdgeUses& group, const EdgeUses& kept) {
+  return std::any_of(group.begin(), group.end(), [&](const auto& side) {
+    return side.second % 2 != 0 && kept.at(side.first) == 0;
+  });
+}
+
+/// Keeps the connected groups of triangles in doubt without which more edges would be open, and
+/// those that end freely. Of each so many copies are kept already.
 void keep_closing(const std::vector<Triangle>& triangles, const std::vector<std::uint32_t>& doubted,
-                  std::vector<char>& keep) {
+                  std::uint32_t copies, std::vector<char>& keep) {
   EdgeUses kept;
   std::map<Edge, std::vector<std::size_t>> users;
   for (std::size_t i = 0; i < doubted.size(); ++i) {
@@ -121,7 +132,7 @@ void keep_closing(const std::vector<Triangle>& triangles, const std::vector<std:
         }
       });
     }
-    const char stays = closed_by(uses, kept) > 0 ? 1 : 0;
+    const char stays = closed_by(uses, kept, copies) > 0 || ends_freely(uses, kept) ? 1 : 0;
     for (const std::size_t member : group) keep[doubted[member]] = stays;
   }
 }
@@ -134,9 +145,9 @@ Counted drop_duplicates(std::vector<Triangle>& triangles) {
   if (two_sided) {
     for (const std::uint32_t wall : choice.walls) choice.keep[wall] = 1;
   } else {
-    keep_closing(triangles, choice.walls, choice.keep);
+    keep_closing(triangles, choice.walls, 0, choice.keep);
   }
-  keep_closing(triangles, choice.extras, choice.keep);
+  keep_closing(triangles, choice.extras, 1, choice.keep);
   Counted dropped;
   std::size_t kept = 0;
   for (std::size_t i = 0; i < triangles.size(); ++i) {

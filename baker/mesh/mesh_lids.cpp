@@ -1,17 +1,18 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "baker/mesh/mesh_lids.hpp"
 
+#include <Eigen/Eigenvalues>
 #include <algorithm>
 #include <array>
 #include <cmath>
 #include <cstdint>
-#include <limits>
 #include <map>
 #include <optional>
 #include <set>
 #include <utility>
 
 #include "baker/base/groups.hpp"
+#include "baker/mesh/loop_span.hpp"
 #include "baker/mesh/mesh_edges.hpp"
 #include "baker/mesh/triangle_height.hpp"
 
@@ -20,20 +21,60 @@ namespace {
 
 /// A surface is a solid's where lids close it with no more than this share of its area.
 constexpr double most_lids = 0.05;
-/// Of longer loops the smallest corners are cut off first, since time grows by the third power.
-constexpr std::size_t most_corners = 400;
 
-using Loop = std::vector<std::uint32_t>;
-
-[[nodiscard]] double area_of(std::span<const Vector3> points, std::uint32_t a, std::uint32_t b,
-                             std::uint32_t c) {
+[[nodiscard]] double area_of(std::span<const Vector3> points, const Triangle& triangle) {
+  const auto& [a, b, c] = triangle;
   return triangle_area(points[a], points[b], points[c]);
 }
 
-/// The open surfaces of a mesh: patches of neighbours that are open, joined where they meet.
+/// How far vertices lie from a plane through them at most, nearly.
+[[nodiscard]] double flatness(std::span<const Vector3> points, const std::vector<Triangle>& part) {
+  Vector3 middle = Vector3::Zero();
+  for (const Triangle& triangle : part) {
+    for (const std::uint32_t corner : triangle) {
+      middle += points[corner] / (3 * static_cast<double>(part.size()));
+    }
+  }
+  Eigen::Matrix3d spread = Eigen::Matrix3d::Zero();
+  for (const Triangle& triangle : part) {
+    for (const std::uint32_t corner : triangle) {
+      const Vector3 from = points[corner] - middle;
+      spread += from * from.transpose();
+    }
+  }
+  const Vector3 normal =
+      Eigen::SelfAdjointEigenSolver<Eigen::Matrix3d>(spread).eigenvectors().col(0);
+  double most = 0;
+  for (const Triangle& triangle : part) {
+    for (const std::uint32_t corner : triangle) {
+      most = std::max(most, std::abs(normal.dot(points[corner] - middle)));
+    }
+  }
+  return most;
+}
+
+/// By triangle, whether its part lies in a plane, within a distance, m.
+[[nodiscard]] std::vector<char> flat_parts(std::span<const Vector3> points, double within,
+                                           const std::vector<Triangle>& triangles) {
+  Groups parts(triangles.size());
+  for_each_edge(sorted_edges(triangles), [&](std::span<const HalfEdge> users) {
+    for (const HalfEdge& user : users.subspan(1)) parts.join(users[0].triangle, user.triangle);
+  });
+  std::map<std::uint32_t, std::vector<Triangle>> members;
+  for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+    members[parts.of(t)].push_back(triangles[t]);
+  }
+  std::vector<char> flat(triangles.size(), 0);
+  for (const auto& [part, own] : members) flat[part] = flatness(points, own) <= within ? 1 : 0;
+  for (std::uint32_t t = 0; t < triangles.size(); ++t) flat[t] = flat[parts.of(t)];
+  return flat;
+}
+
+/// The open surfaces of a mesh: patches of neighbours that are open, or flat, joined where they
+/// meet.
 class OpenSurfaces {
  public:
-  explicit OpenSurfaces(const std::vector<Triangle>& triangles)
+  OpenSurfaces(const std::vector<Triangle>& triangles, const std::vector<char>& flat)
       : edges_(sorted_edges(triangles)), patches_(triangles.size()), surfaces_(triangles.size()) {
     for_each_edge(edges_, [&](std::span<const HalfEdge> users) {
       if (users.size() == 2) patches_.join(users[0].triangle, users[1].triangle);
@@ -49,6 +90,7 @@ class OpenSurfaces {
       }
     });
     for (std::uint32_t t = 0; t < triangles.size(); ++t) {
+      if (flat[t] != 0) open[patches_.of(t)] = 1;
       if (open[patches_.of(t)] != 0) surfaces_.join(patches_.of(t), t);
     }
     for_each_edge(edges_, [&](std::span<const HalfEdge> users) {
@@ -127,65 +169,6 @@ class OpenSurfaces {
   return loops;
 }
 
-/// Cuts off the corners of a loop whose triangles are smallest, until few enough are left.
-void cut_corners(std::span<const Vector3> points, Loop& loop, std::vector<Triangle>& lid) {
-  while (loop.size() > most_corners) {
-    // Every second corner that is smaller than most.
-    std::vector<double> areas(loop.size());
-    for (std::size_t i = 0; i < loop.size(); ++i) {
-      areas[i] = area_of(points, loop[(i + loop.size() - 1) % loop.size()], loop[i],
-                         loop[(i + 1) % loop.size()]);
-    }
-    std::vector<double> sorted = areas;
-    const auto middle = sorted.begin() + static_cast<std::ptrdiff_t>(sorted.size() / 2);
-    std::nth_element(sorted.begin(), middle, sorted.end());
-    std::size_t left = loop.size() - most_corners;
-    Loop kept;
-    for (std::size_t i = 0; i < loop.size(); ++i) {
-      const bool after_kept = i > 0 && kept.back() == loop[i - 1];
-      if (left == 0 || !after_kept || i + 1 == loop.size() || areas[i] > *middle) {
-        kept.push_back(loop[i]);
-        continue;
-      }
-      lid.push_back({loop[i - 1], loop[i], loop[i + 1]});
-      --left;
-    }
-    loop = std::move(kept);
-  }
-}
-
-/// Spans a loop by the triangles of the least area in all.
-void span_loop(std::span<const Vector3> points, const Loop& loop, std::vector<Triangle>& lid) {
-  const std::size_t count = loop.size();
-  const auto at = [count](std::size_t i, std::size_t k) { return i * count + k; };
-  std::vector<double> least(count * count, 0);
-  std::vector<std::size_t> between(count * count, 0);
-  for (std::size_t way = 2; way < count; ++way) {
-    for (std::size_t i = 0; i + way < count; ++i) {
-      const std::size_t k = i + way;
-      double best = std::numeric_limits<double>::infinity();
-      for (std::size_t m = i + 1; m < k; ++m) {
-        const double area =
-            least[at(i, m)] + least[at(m, k)] + area_of(points, loop[i], loop[m], loop[k]);
-        if (area >= best) continue;
-        best = area;
-        between[at(i, k)] = m;
-      }
-      least[at(i, k)] = best;
-    }
-  }
-  std::vector<std::pair<std::size_t, std::size_t>> left{{0, count - 1}};
-  while (!left.empty()) {
-    const auto [i, k] = left.back();
-    left.pop_back();
-    if (k < i + 2) continue;
-    const std::size_t m = between[at(i, k)];
-    lid.push_back({loop[i], loop[m], loop[k]});
-    left.emplace_back(i, m);
-    left.emplace_back(m, k);
-  }
-}
-
 [[nodiscard]] Hole hole_of(std::span<const Vector3> points, const Loop& loop,
                            std::span<const Triangle> lid) {
   Hole hole;
@@ -193,32 +176,33 @@ void span_loop(std::span<const Vector3> points, const Loop& loop, std::vector<Tr
   for (const std::uint32_t vertex : loop) {
     hole.middle += points[vertex] / static_cast<double>(loop.size());
   }
-  for (const auto& [a, b, c] : lid) hole.area += area_of(points, a, b, c);
+  for (const Triangle& triangle : lid) hole.area += area_of(points, triangle);
   return hole;
 }
 
 }  // namespace
 
-Lids add_lids(std::span<const Vector3> points, OpenAs open_as, std::vector<Triangle>& triangles) {
-  OpenSurfaces surfaces(triangles);
+Lids add_lids(std::span<const Vector3> points, OpenAs open_as, double flat_within,
+              std::vector<Triangle>& triangles) {
+  const std::vector<char> flat = flat_parts(points, flat_within, triangles);
+  OpenSurfaces surfaces(triangles, flat);
   std::map<std::uint32_t, double> areas;
+  std::set<std::uint32_t> sheets;
   for (std::uint32_t t = 0; t < triangles.size(); ++t) {
-    const auto& [a, b, c] = triangles[t];
-    areas[surfaces.of(t)] += area_of(points, a, b, c);
+    areas[surfaces.of(t)] += area_of(points, triangles[t]);
+    if (flat[t] != 0) sheets.insert(surfaces.of(t));
   }
   Lids found;
   std::vector<Triangle> all;
-  std::set<std::uint32_t> sheets;
   for (const auto& [surface, border] : surfaces.borders()) {
+    if (sheets.contains(surface)) continue;
     std::vector<Triangle> lids;
     std::vector<Hole> closed;
     double area = 0;
-    for (Loop loop : border ? loops_of(*border) : std::vector<Loop>()) {
+    for (const Loop& loop : border ? loops_of(*border) : std::vector<Loop>()) {
       const std::size_t before = lids.size();
-      const Loop whole = loop;
-      cut_corners(points, loop, lids);
       span_loop(points, loop, lids);
-      closed.push_back(hole_of(points, whole, std::span(lids).subspan(before)));
+      closed.push_back(hole_of(points, loop, std::span(lids).subspan(before)));
       area += closed.back().area;
     }
     const bool small = open_as == OpenAs::solid || area <= most_lids * areas[surface];

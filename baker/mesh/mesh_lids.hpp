@@ -20,8 +20,9 @@ struct Lids {
 /// Closes small holes, as scans have them: an open surface whose lids take no more than 5 % of its
 /// area gets them, and bounds a solid with them. Each lid spans its hole by the triangles of the
 /// least area. A surface that is more open is a sheet, and so is one that ends in edges where its
-/// triangles cannot agree on a side. The lids' triangles are added at the end.
-[[nodiscard]] Lids add_lids(std::span<const Vector3> points, OpenAs open_as,
+/// triangles cannot agree on a side, or a part, open or not, that lies in a plane, within a
+/// distance, m. The lids' triangles are added at the end.
+[[nodiscard]] Lids add_lids(std::span<const Vector3> points, OpenAs open_as, double flat_within,
                             std::vector<Triangle>& triangles);
 
 }  // namespace spm::baker

@@ -7,6 +7,7 @@
 
 #include "baker/base/bake_error.hpp"
 #include "baker/mesh/gltf_file.hpp"
+#include "baker/mesh/loop_span.hpp"
 #include "baker/mesh/mesh_files.hpp"
 #include "baker/mesh/mesh_text.hpp"
 
@@ -96,9 +97,32 @@ constexpr std::array<Format, 7> kFormats{{{"GLB", ".glb", nullptr, is_glb},
   return *named;
 }
 
+/// Spans polygons anew whose fans fold, as a notch makes them do: by the triangles of the least
+/// area.
+void unfold_polygons(PolygonSoup& soup) {
+  const auto twice_area = [&](const Triangle& t) -> Vector3 {
+    return (soup.points[t[1]] - soup.points[t[0]]).cross(soup.points[t[2]] - soup.points[t[0]]);
+  };
+  for (const auto& [first, count] : soup.polygons) {
+    const std::span<Triangle> fan = std::span(soup.triangles).subspan(first, count);
+    Vector3 up = Vector3::Zero();
+    for (const Triangle& triangle : fan) up += twice_area(triangle);
+    if (std::none_of(fan.begin(), fan.end(),
+                     [&](const Triangle& triangle) { return twice_area(triangle).dot(up) < 0; })) {
+      continue;
+    }
+    Loop loop{fan.front()[0], fan.front()[1]};
+    for (const Triangle& triangle : fan) loop.push_back(triangle[2]);
+    std::vector<Triangle> spanned;
+    span_loop(soup.points, loop, spanned);
+    std::copy(spanned.begin(), spanned.end(), fan.begin());
+  }
+}
+
 }  // namespace
 
 void add_polygon(std::span<const std::uint32_t> polygon, PolygonSoup& soup) {
+  if (polygon.size() > 3) soup.polygons.emplace_back(soup.triangles.size(), polygon.size() - 2);
   for (std::size_t i = 2; i < polygon.size(); ++i) {
     soup.triangles.push_back({polygon[0], polygon[i - 1], polygon[i]});
   }
@@ -117,6 +141,7 @@ PolygonSoup read_soup(const std::string& path, std::string_view bytes, bool outs
     fail(path + ": the file holds " + std::to_string(soup.points.size()) +
          " vertices and no face; export the mesh with its faces, a point cloud cannot be baked");
   }
+  unfold_polygons(soup);
   return soup;
 }
 

@@ -6,6 +6,7 @@
 #include <span>
 #include <string>
 #include <string_view>
+#include <utility>
 #include <vector>
 
 #include "baker/mesh/mesh.hpp"
@@ -20,9 +21,11 @@ struct PolygonSoup {
   std::vector<std::string> companion_digests;  ///< of other files that it was read from
   std::optional<double> unit;                  ///< metres, where the file says it
   std::vector<std::string> notes;              ///< what was left out, a sentence each
+  /// The first triangle of each polygon of more than three corners, and how many it has.
+  std::vector<std::pair<std::size_t, std::size_t>> polygons = {};
 };
 
-/// Fans a polygon from its first vertex.
+/// Fans a polygon from its first vertex. Where that is no good is seen when all points are known.
 void add_polygon(std::span<const std::uint32_t> polygon, PolygonSoup& soup);
 
 /// Reads the unpacked bytes of a mesh file in the format on which its extension and its content

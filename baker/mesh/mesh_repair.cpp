@@ -23,7 +23,8 @@ namespace {
 using Kernel = CGAL::Exact_predicates_inexact_constructions_kernel;
 
 constexpr std::uint32_t kNone = UINT32_MAX;
-/// Borders that are nearer than this share of the diagonal are held apart by rounding alone.
+/// Borders that are nearer than this share of the diagonal are held apart by rounding alone, and
+/// parts that are no thicker are flat.
 constexpr double seam_share = 1e-6;
 
 [[nodiscard]] Kernel::Point_3 exact_point(const Vector3& p) { return {p.x(), p.y(), p.z()}; }
@@ -170,13 +171,14 @@ void repair(PolygonSoup soup, Mesh& mesh) {
   Changes changes;
   changes.merged = merge_equal_points(soup);
   drop_repeated_corners(soup.triangles, changes.dropped);
-  changes.seams = join_seams(soup.points, seam_share * extent_of(soup), soup.triangles);
+  const double seam = seam_share * extent_of(soup);
+  changes.seams = join_seams(soup.points, seam, soup.triangles);
   const Counted copies = drop_duplicates(soup.triangles);
   changes.dropped.add(copies.count, copies.vertex);
   changes.inner = drop_inner_faces(soup.points, soup.triangles);
   // Triangles without area are dropped last: until then they connect their neighbours.
   Orientation& orientation = changes.orientation = orient(soup.points, soup.triangles);
-  const Lids lids = add_lids(soup.points, mesh.open_as, soup.triangles);
+  const Lids lids = add_lids(soup.points, mesh.open_as, seam, soup.triangles);
   std::vector<Triangle> sheets;
   for (std::size_t t = 0; t < soup.triangles.size(); ++t) {
     (lids.sheet[t] != 0 ? sheets : mesh.triangles).push_back(soup.triangles[t]);

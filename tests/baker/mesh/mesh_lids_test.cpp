@@ -163,4 +163,50 @@ TEST_CASE("A strip that is one-sided is a sheet") {
   CHECK(mesh.sheets == 1);
 }
 
+TEST_CASE("A leaf that is drawn from both sides, or twice, is one sheet beside a solid") {
+  for (const bool other_way : {false, true}) {
+    Shape shape = sphere(1, 4);
+    const auto first = static_cast<std::uint32_t>(shape.vertices.size());
+    for (const Vector3& corner :
+         {Vector3(2, 0, 0), Vector3(3, 0, 0), Vector3(3, 1, 0), Vector3(2, 1, 0)}) {
+      shape.vertices.push_back(corner);
+    }
+    const std::size_t solid = shape.triangles.size();
+    for (int copy = 0; copy < 2; ++copy) {
+      shape.triangles.push_back({first, first + 1, first + 2});
+      shape.triangles.push_back({first, first + 2, first + 3});
+      for (std::size_t k = 1; other_way && copy > 0 && k <= 2; ++k) {
+        std::swap(shape.triangles[shape.triangles.size() - k][1],
+                  shape.triangles[shape.triangles.size() - k][2]);
+      }
+    }
+    const Mesh mesh = load_shape(shape);
+    CHECK(mesh.sheets == 1);
+    CHECK(mesh.sheet_triangles == 2);
+    CHECK(mesh.solid_triangles() == solid);
+  }
+}
+
+TEST_CASE("A part that lies in a plane is a sheet, also where it closes") {
+  // A square from both sides, of which each has a diagonal of its own.
+  Shape pillow;
+  pillow.vertices = {{0, 0, 0}, {1, 0, 0}, {1, 0.8, 0}, {0, 0.8, 0}};
+  pillow.triangles = {{0, 1, 2}, {0, 2, 3}, {1, 0, 3}, {1, 3, 2}};
+  const Eigen::Matrix3d turn =
+      Eigen::AngleAxisd(0.7, Vector3(1, 2, 3).normalized()).toRotationMatrix();
+  for (const Eigen::Matrix3d& way : {Eigen::Matrix3d(Eigen::Matrix3d::Identity()), turn}) {
+    for (const OpenAs open_as : {OpenAs::automatic, OpenAs::solid}) {
+      Shape shape = pillow;
+      for (Vector3& vertex : shape.vertices) vertex = way * vertex;
+      Mesh mesh = load_shape(shape, {.open_as = open_as});
+      CHECK(mesh.sheets == 1);
+      CHECK(mesh.solid_triangles() == 0);
+      CHECK(mesh.sheet_triangles == 4);
+      shape.triangles.resize(2);
+      mesh = load_shape(shape, {.open_as = open_as});
+      CHECK(mesh.sheet_triangles == 2);
+    }
+  }
+}
+
 }  // namespace spm::test::mesh_lids_test

@@ -1,4 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
+#include <fmt/core.h>
+
 #include <algorithm>
 #include <array>
 #include <catch2/catch.hpp>
@@ -12,6 +14,7 @@
 
 #include "baker/mesh/load.hpp"
 #include "baker/mesh/mesh.hpp"
+#include "baker/mesh/triangle_height.hpp"
 #include "tests/baker/mesh/mesh_support.hpp"
 #include "tests/support/random.hpp"
 #include "tests/support/skip.hpp"
@@ -248,6 +251,36 @@ TEST_CASE("A mesh that is open far is a sheet, and its border edges are counted"
   CHECK(mesh.border_edges == 4);
   CHECK(mesh.sheet_triangles == 10);
   CHECK(noted(mesh, "taken for a sheet"));
+}
+
+TEST_CASE("Polygons with notches are spanned without folds, whatever corner comes first") {
+  // A prism over a polygon with two notches. Fans from most of its corners fold.
+  const std::vector<Vector3> outline{{0, 0, 0}, {4, 0, 0}, {4, 3, 0}, {3, 3, 0}, {3, 1, 0},
+                                     {2, 1, 0}, {2, 2, 0}, {1, 2, 0}, {1, 3, 0}, {0, 3, 0}};
+  const std::size_t count = outline.size();
+  for (std::size_t first = 0; first < count; ++first) {
+    std::string text, low = "f", high = "f";
+    for (std::size_t i = 0; i < count; ++i) {
+      const Vector3& corner = outline[(first + i) % count];
+      // The top is not quite flat.
+      const double height = 1 + 1e-3 * static_cast<double>(i % 3);
+      text += fmt::format("v {0} {1} 0\nv {0} {1} {2}\n", corner.x(), corner.y(), height);
+      high += fmt::format(" {}", 2 * i + 2);
+      low += fmt::format(" {}", 2 * (count - i) - 1);
+      const std::size_t next = (i + 1) % count;
+      text += fmt::format("f {} {} {} {}\n", 2 * i + 1, 2 * next + 1, 2 * next + 2, 2 * i + 2);
+    }
+    const TemporaryFolder folder;
+    const Mesh mesh =
+        baker::load_mesh(folder.write("notched.obj", text + low + "\n" + high + "\n"), {});
+    CHECK(mesh.closed());
+    double area = 0;
+    for (const auto& [a, b, c] : mesh.triangles) {
+      area += baker::triangle_area(mesh.vertices[a], mesh.vertices[b], mesh.vertices[c]);
+    }
+    CHECK(area == Approx(2 * 9 + 18).epsilon(1e-3));
+    CHECK(signed_volume(mesh.vertices, mesh.triangles) == Approx(9).epsilon(2e-3));
+  }
 }
 
 TEST_CASE("Zero-area and duplicated triangles and unreferenced vertices are dropped") {
