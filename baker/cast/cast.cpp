@@ -28,6 +28,10 @@ constexpr double tie_share = 1e-5;
 constexpr double surface_share = 1e-7;
 /// A ray that grazes a triangle more flatly than this keeps Embree's own distance.
 constexpr double grazing_cosine = 1e-6;
+/// A ray that tells the side starts this share of the diagonal before the place, and tells nothing
+/// where a crossing is nearer than half of it, or flatter than the cosine.
+constexpr double ray_lift_share = 1e-5;
+constexpr double flat_cosine = 1e-3;
 
 struct HitCollector {
   RayContext context;
@@ -361,8 +365,44 @@ ClosestPoint Caster::closest(const Vector3& point) const {
   return result;
 }
 
+bool Caster::is_inside(const Vector3& point) const {
+  const Caster& all = whole() != nullptr ? *whole() : *this;
+  const std::optional<bool> told = all.side_by_rays(point);
+  return told ? *told : all.winding(point) > 0.5;
+}
+
+std::optional<bool> Caster::side_by_rays(const Vector3& point) const {
+  // Along no axis, since edges and faces often are.
+  static const std::array<Vector3, 3> directions{Vector3(0.37, 0.61, 0.7).normalized(),
+                                                 Vector3(-0.67, 0.31, -0.53).normalized(),
+                                                 Vector3(0.29, -0.79, 0.47).normalized()};
+  for (const Vector3& direction : directions) {
+    if (const auto inside = side_by_ray(point, direction)) return inside;
+  }
+  return std::nullopt;
+}
+
+std::optional<bool> Caster::side_by_ray(const Vector3& point, const Vector3& direction) const {
+  const Implementation& self = *implementation_;
+  const double lift = ray_lift_share * self.diagonal;
+  thread_local std::vector<Crossing> crossings;
+  self.collect(point - lift * direction, direction, lift, crossings);
+  std::erase_if(crossings, [&](const Crossing& c) { return c.depth < -lift / 2; });
+  std::sort(crossings.begin(), crossings.end(),
+            [](const Crossing& a, const Crossing& b) { return a.depth < b.depth; });
+  for (std::size_t i = 0; i < crossings.size(); ++i) {
+    // From the last on, which must be an exit, exits and entries take turns.
+    const bool entry = (crossings.size() - i) % 2 == 0;
+    if (crossings[i].entry != entry || crossings[i].depth < lift / 2 ||
+        std::abs(self.normals[crossings[i].triangle].dot(direction)) < flat_cosine) {
+      return std::nullopt;
+    }
+  }
+  return crossings.size() % 2 != 0;
+}
+
 bool Caster::surrounds(const Vector3& point, double away) const {
-  if (winding(point) > 0.5) return true;
+  if (is_inside(point)) return true;
   const Caster* all = whole();
   if (all == nullptr) return false;
   const double gap = implementation_->sides->gap;
@@ -371,7 +411,7 @@ bool Caster::surrounds(const Vector3& point, double away) const {
   all->within(point, gap, near);
   return std::any_of(near.begin(), near.end(), [&](std::uint32_t wall) {
     const Vector3 beyond = 2 * gap * all->normal(wall);
-    return winding(point + beyond) > 0.5 && winding(point - beyond) > 0.5;
+    return is_inside(point + beyond) && is_inside(point - beyond);
   });
 }
 

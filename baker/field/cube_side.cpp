@@ -74,8 +74,8 @@ bool CubeSide::is_inside(const LatticeSurface& surface, const Cube& cube, const 
 
 std::optional<CubeSide> find_cube_side(const LatticeSurface& surface, const Cube& cube,
                                        std::vector<std::uint32_t> solids) {
-  // Nearer than that, what rounding moved might lie between.
-  const double least = std::max(known_place_room * cube.half, 2 * surface.displacement);
+  // Nearer than that, rounding would decide.
+  const double least = std::max(known_place_room * cube.half, 2 * surface.step);
   const Caster* whole = any_doubted(surface, solids) ? surface.caster->whole() : nullptr;
   if (whole != nullptr) {
     // Beside a gap what lies across it is asked as well.
@@ -98,10 +98,15 @@ std::optional<CubeSide> find_cube_side(const LatticeSurface& surface, const Cube
     *farthest = 0;
     const auto number = static_cast<std::uint32_t>(farthest - away.begin());
     const Vector3 place = place_of_cube(cube.middle, cube.half, number);
-    if (whole != nullptr && surface.caster->winding(place) > most_winding) continue;
-    const bool inside = whole != nullptr ? surface.caster->winding(place) > 0.5
-                                         : surface.caster->closest(place).solid < 0;
-    return CubeSide{{number, inside}, std::move(solids)};
+    std::optional<bool> inside;
+    if (whole == nullptr) {
+      inside = surface.caster->closest(place).solid < 0;
+    } else if (inside = whole->side_by_rays(place); !inside) {
+      const double winding = whole->winding(place);
+      if (winding > most_winding) continue;
+      inside = winding > 0.5;
+    }
+    return CubeSide{{number, *inside}, std::move(solids)};
   }
   return std::nullopt;
 }

@@ -6,6 +6,7 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
 #include <limits>
 #include <optional>
@@ -215,8 +216,8 @@ class Builder {
   }
 };
 
-/// Lists that the surface passes get places of known side.
-void add_known_places(const LatticeSurface& surface, OctreeRoots& roots) {
+/// Lists that the surface passes get places of known side. Returns how many need one and get none.
+std::size_t add_known_places(const LatticeSurface& surface, OctreeRoots& roots) {
   std::vector<OctreeNode*> lists;
   const auto add = [&lists](OctreeNode& node, const auto& again) -> void {
     if (node.octants) {
@@ -227,17 +228,22 @@ void add_known_places(const LatticeSurface& surface, OctreeRoots& roots) {
     }
   };
   for (OctreeNode& root : roots.nodes) add(root, add);
+  std::atomic<std::size_t> untold = 0;
   tbb::parallel_for(std::size_t{0}, lists.size(), [&](std::size_t i) {
     OctreeNode& node = *lists[i];
     std::vector<std::uint32_t> solids;
     for (const ListedCandidate& listed : node.solids) solids.push_back(listed.triangle);
-    std::optional<CubeSide> side = find_cube_side(surface, node.cube, std::move(solids));
-    if (!side) return;
+    std::optional<CubeSide> side = find_cube_side(surface, node.cube, solids);
+    if (!side) {
+      untold += any_doubted(surface, solids) ? 1 : 0;
+      return;
+    }
     node.known = side->known;
     if (!side->passing.empty() && side->passing.front() >= surface.triangles.size()) {
       node.crossed = std::move(side->passing);
     }
   });
+  return untold;
 }
 
 void add_short_lists(const Builder& builder, OctreeNode& node, std::vector<OctreeNode*>& found) {
@@ -336,7 +342,7 @@ BuiltOctree build_octree(const LatticeSurface& surface, const Caster& caster,
   data.roots = roots.count;
   data.edge = std::ldexp(data.edge, joins);
   make_lists(surface, roots);
-  add_known_places(surface, roots);
+  built.untold = add_known_places(surface, roots);
   write_words(roots, surface, built);
   if (built.counts.polynomials + built.counts.pairs + built.counts.lists == 0) {
     throw BakeError(ExitCode::invalid_input,

@@ -36,6 +36,7 @@ struct OctreeCounts {
 struct BuiltOctree {
   OctreeData data;
   OctreeCounts counts;
+  std::size_t untold = 0;  ///< lists beside doubted triangles that tell no side
 };
 
 /// Builds the distance octree of a surface, which `caster` is over too, and proves each of its

@@ -38,6 +38,8 @@ constexpr double roots_along = 32;
 /// Where the tolerance is above this share of an edge, cubes of twice that edge may take fewer
 /// bytes.
 constexpr double coarse_share = 0.25;
+/// Beyond this share of the finest of these, cubes are no smaller, whatever passes them.
+constexpr double least_share = 0.1;
 
 /// Coarser tolerances than this share of the band's depth leave polynomials as they are, or fit
 /// larger ones in place of lists that take fewer bytes.
@@ -197,11 +199,21 @@ void bake_sparse(BakeResult& result, const OuterSurface& surface, const Caster& 
   const Caster& rounded = *lattice.caster;
   report.stages.end("lattice");
   std::optional<BuiltOctree> built;
-  for (const double edge : smallest_edges(options, metadata.band, caster, tolerance)) {
+  const auto try_edge = [&](double edge) {
     BuiltOctree next =
         build_octree(lattice, rounded, asset.planes, reachability.cuts() ? &reachability : nullptr,
                      rules_for(options, asset, caster, tolerance, edge), progress);
-    if (!built || next.counts.bytes < built->counts.bytes) built = std::move(next);
+    if (!built ||
+        std::pair(next.untold, next.counts.bytes) < std::pair(built->untold, built->counts.bytes)) {
+      built = std::move(next);
+    }
+  };
+  const std::vector<double> edges = smallest_edges(options, metadata.band, caster, tolerance);
+  for (const double edge : edges) try_edge(edge);
+  // Where so many triangles pass a cube that no list can tell the side, smaller cubes can.
+  for (double edge = edges.front() / 2; built->untold > 0 && edge > least_share * edges.front();
+       edge /= 2) {
+    try_edge(edge);
   }
   asset.octree = std::move(built->data);
   report.stages.end("octree");

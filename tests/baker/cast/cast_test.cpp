@@ -2,6 +2,7 @@
 #include "baker/cast/cast.hpp"
 
 #include <catch2/catch.hpp>
+#include <optional>
 
 #include "common/base/random.hpp"
 #include "common/surface/support_plane_mapping.hpp"
@@ -103,6 +104,24 @@ TEST_CASE("The baker's closest point is the sphere's, on both sides") {
     CHECK(found.distance == Approx(distance).margin(2e-5));
     CHECK(found.direction.dot(direction) > (std::abs(found.distance) > 1e-4 ? 0.99 : -1.0));
   }
+}
+
+TEST_CASE("Rays tell the side of a place as the winding number does") {
+  const Caster caster(
+      surface_of(test::merged(test::torus(0.035, 0.012, 40, 20),
+                              test::moved(test::box({0.02, 0.02, 0.02}), {0, 0, 0.05}))));
+  int told = 0, inside = 0;
+  constexpr int places = 2000;
+  for (std::uint64_t i = 0; i < places; ++i) {
+    const Vector3 point = 0.06 * random_unit(24, i) * random_direction(i);
+    const std::optional<bool> side = caster.side_by_rays(point);
+    if (!side) continue;
+    ++told;
+    inside += *side ? 1 : 0;
+    CHECK(*side == (caster.winding(point) > 0.5));
+  }
+  CHECK(told > 0.99 * places);
+  CHECK(inside > 0.05 * places);
 }
 
 TEST_CASE("The triangles within a radius are those that brute force finds") {
