@@ -98,11 +98,10 @@ std::optional<CubeSide> find_cube_side(const LatticeSurface& surface, const Cube
     *farthest = 0;
     const auto number = static_cast<std::uint32_t>(farthest - away.begin());
     const Vector3 place = place_of_cube(cube.middle, cube.half, number);
-    std::optional<bool> inside;
-    if (whole == nullptr) {
-      inside = surface.caster->closest(place).solid < 0;
-    } else if (inside = whole->side_by_rays(place); !inside) {
-      const double winding = whole->winding(place);
+    const Caster& closed = whole != nullptr ? *whole : *surface.caster;
+    std::optional<bool> inside = closed.side_by_rays(place);
+    if (!inside) {
+      const double winding = closed.winding(place);
       if (winding > most_winding) continue;
       inside = winding > 0.5;
     }
