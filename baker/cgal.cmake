@@ -17,6 +17,7 @@ if(NOT TARGET spm_cgal)
   if(CGAL_VERSION VERSION_LESS 6 AND CMAKE_CXX_COMPILER_ID STREQUAL "Clang")
     # Templates of CGAL 5 that nobody uses call what is not there, which clang 19 looks for.
     target_compile_options(CGAL INTERFACE -fdelayed-template-parsing
+                                          -Wno-unknown-warning-option
                                           -Wno-delayed-template-parsing-in-cxx20)
   endif()
 endif()

@@ -214,11 +214,23 @@ double remove_slivers(const std::vector<Vector3>& vertices, double height,
                       std::vector<LooseTriangle>& triangles) {
   const std::vector<std::uint32_t> joined = join_vertices(vertices, height);
   double displacement = 0;
+  std::vector<LooseTriangle> alone;  // sheets of which nothing else would be left
+  std::vector<char> used(vertices.size(), 0);
+  for (const LooseTriangle& triangle : triangles) {
+    Triangle corners = triangle.corners;
+    for (std::uint32_t& corner : corners) corner = joined[corner];
+    if (is_flat(corners)) continue;
+    for (const std::uint32_t corner : corners) used[corner] = 1;
+  }
   for (LooseTriangle& triangle : triangles) {
+    const LooseTriangle whole = triangle;
     for (std::uint32_t& corner : triangle.corners) {
       displacement = std::max(displacement, (vertices[corner] - vertices[joined[corner]]).norm());
       corner = joined[corner];
     }
+    const bool covered = std::all_of(triangle.corners.begin(), triangle.corners.end(),
+                                     [&](std::uint32_t corner) { return used[corner] != 0; });
+    if (triangle.sheet && is_flat(triangle.corners) && !covered) alone.push_back(whole);
   }
   std::erase_if(triangles, [](const LooseTriangle& t) { return is_flat(t.corners); });
   for (const double share : shares) {
@@ -227,6 +239,7 @@ double remove_slivers(const std::vector<Vector3>& vertices, double height,
     displacement += removal.displacement();
     std::erase_if(triangles, [](const LooseTriangle& t) { return is_flat(t.corners); });
   }
+  triangles.insert(triangles.end(), alone.begin(), alone.end());
   std::stable_partition(triangles.begin(), triangles.end(),
                         [](const LooseTriangle& t) { return !t.sheet; });
   return displacement;

@@ -271,8 +271,8 @@ TEST_CASE("Polygons with notches are spanned without folds, whatever corner come
       text += fmt::format("f {} {} {} {}\n", 2 * i + 1, 2 * next + 1, 2 * next + 2, 2 * i + 2);
     }
     const TemporaryFolder folder;
-    const Mesh mesh =
-        baker::load_mesh(folder.write("notched.obj", text + low + "\n" + high + "\n"), {});
+    const Mesh mesh = baker::load_mesh(
+        folder.write("notched.obj", fmt::format("{}{}\n{}\n", text, low, high)), {});
     CHECK(mesh.closed());
     double area = 0;
     for (const auto& [a, b, c] : mesh.triangles) {

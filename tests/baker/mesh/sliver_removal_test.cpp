@@ -133,4 +133,16 @@ TEST_CASE("Corners that are nearly one become one, and the triangles between the
   CHECK(is_closed(triangles));
 }
 
+TEST_CASE("Of a loose sheet that is smaller than a sliver something is left") {
+  const std::vector<Vector3> vertices{{0, 0, 0},    {1, 0, 0},    {1, 1, 0},   {2, 0, 0},
+                                      {2, 1e-4, 0}, {2, 0, 1e-4}, {1, 1e-4, 0}};
+  std::vector<LooseTriangle> triangles{{.corners = {0, 1, 2}, .sheet = true},
+                                       {.corners = {3, 4, 5}, .sheet = true},
+                                       {.corners = {1, 2, 6}, .sheet = true}};
+  (void)remove_slivers(vertices, 1e-3, triangles);
+  // The third lies on the first, and goes.
+  REQUIRE(triangles.size() == 2);
+  CHECK(triangles[1].corners == Triangle{3, 4, 5});
+}
+
 }  // namespace spm::baker::sliver_removal_test
