@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <limits>
+#include <utility>
 
 #include "baker/field/corner_distances.hpp"
 #include "common/field/crossings.hpp"
@@ -95,13 +96,15 @@ std::optional<CubeSide> find_cube_side(const LatticeSurface& surface, const Cube
   for (std::uint32_t tries = 0; tries < places_of_cube; ++tries) {
     const auto farthest = std::max_element(away.begin(), away.end());
     if (*farthest < least) return std::nullopt;
-    *farthest = 0;
+    const double distance = std::exchange(*farthest, 0);
     const auto number = static_cast<std::uint32_t>(farthest - away.begin());
     const Vector3 place = place_of_cube(cube.middle, cube.half, number);
-    const Caster& closed = whole != nullptr ? *whole : *surface.caster;
-    std::optional<bool> inside = closed.side_by_rays(place);
+    if (whole == nullptr) {
+      return CubeSide{{number, surface.caster->surrounds(place, distance)}, std::move(solids)};
+    }
+    std::optional<bool> inside = whole->side_by_rays(place);
     if (!inside) {
-      const double winding = closed.winding(place);
+      const double winding = whole->winding(place);
       if (winding > most_winding) continue;
       inside = winding > 0.5;
     }
