@@ -20,7 +20,6 @@ namespace {
                                               const std::vector<HalfEdge>& edges, Groups& parts) {
   Groups patches(triangles.size());
   for_each_edge(edges, [&](std::span<const HalfEdge> users) {
-    for (const HalfEdge& user : users.subspan(1)) parts.join(users[0].triangle, user.triangle);
     if (users.size() == 2) patches.join(users[0].triangle, users[1].triangle);
   });
   std::vector<char> crowded(triangles.size(), 0), open(triangles.size(), 0);
@@ -75,7 +74,7 @@ Counted drop_inner_faces(std::span<const Vector3> points, std::vector<Triangle>&
   for_each_edge(
       edges, [&](std::span<const HalfEdge> users) { is_crowded = is_crowded || users.size() > 2; });
   if (!is_crowded) return {};
-  Groups parts(triangles.size());
+  Groups parts = parts_over(edges, triangles.size());
   std::vector<char> divided = divided_parts(points, triangles, edges, parts);
   if (std::count(divided.begin(), divided.end(), 1) == 0) return {};
   Groups cells = cells_of(points, triangles, edges, parts, divided);

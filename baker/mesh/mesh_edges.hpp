@@ -8,6 +8,7 @@
 #include <span>
 #include <vector>
 
+#include "baker/base/groups.hpp"
 #include "baker/mesh/mesh.hpp"
 
 namespace spm::baker {
@@ -35,6 +36,9 @@ void for_each_edge(const std::vector<HalfEdge>& edges, Visit visit) {
     begin = end;
   }
 }
+
+/// The parts of so many triangles: those that meet at an edge are in one.
+[[nodiscard]] Groups parts_over(const std::vector<HalfEdge>& edges, std::size_t triangles);
 
 /// Whether the users of an edge pass it as often one way as the other.
 [[nodiscard]] inline bool is_balanced(std::span<const HalfEdge> users) {

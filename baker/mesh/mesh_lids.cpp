@@ -55,11 +55,9 @@ constexpr double most_lids = 0.05;
 
 /// By triangle, whether its part lies in a plane, within a distance, m.
 [[nodiscard]] std::vector<char> flat_parts(std::span<const Vector3> points, double within,
-                                           const std::vector<Triangle>& triangles) {
-  Groups parts(triangles.size());
-  for_each_edge(sorted_edges(triangles), [&](std::span<const HalfEdge> users) {
-    for (const HalfEdge& user : users.subspan(1)) parts.join(users[0].triangle, user.triangle);
-  });
+                                           const std::vector<Triangle>& triangles,
+                                           const std::vector<HalfEdge>& edges) {
+  Groups parts = parts_over(edges, triangles.size());
   std::map<std::uint32_t, std::vector<Triangle>> members;
   for (std::uint32_t t = 0; t < triangles.size(); ++t) {
     members[parts.of(t)].push_back(triangles[t]);
@@ -74,8 +72,9 @@ constexpr double most_lids = 0.05;
 /// meet.
 class OpenSurfaces {
  public:
-  OpenSurfaces(const std::vector<Triangle>& triangles, const std::vector<char>& flat)
-      : edges_(sorted_edges(triangles)), patches_(triangles.size()), surfaces_(triangles.size()) {
+  OpenSurfaces(const std::vector<Triangle>& triangles, std::vector<HalfEdge> edges,
+               const std::vector<char>& flat)
+      : edges_(std::move(edges)), patches_(triangles.size()), surfaces_(triangles.size()) {
     for_each_edge(edges_, [&](std::span<const HalfEdge> users) {
       if (users.size() == 2) patches_.join(users[0].triangle, users[1].triangle);
     });
@@ -184,8 +183,9 @@ class OpenSurfaces {
 
 Lids add_lids(std::span<const Vector3> points, OpenAs open_as, double flat_within,
               std::vector<Triangle>& triangles) {
-  const std::vector<char> flat = flat_parts(points, flat_within, triangles);
-  OpenSurfaces surfaces(triangles, flat);
+  std::vector<HalfEdge> edges = sorted_edges(triangles);
+  const std::vector<char> flat = flat_parts(points, flat_within, triangles, edges);
+  OpenSurfaces surfaces(triangles, std::move(edges), flat);
   std::map<std::uint32_t, double> areas;
   std::set<std::uint32_t> sheets;
   for (std::uint32_t t = 0; t < triangles.size(); ++t) {

@@ -10,7 +10,6 @@
 #include <tuple>
 #include <utility>
 
-#include "baker/base/groups.hpp"
 #include "baker/mesh/mesh_edges.hpp"
 #include "baker/mesh/winding_number.hpp"
 
@@ -28,13 +27,9 @@ void turn(Triangle& triangle) { std::swap(triangle[1], triangle[2]); }
 
 [[nodiscard]] std::uint32_t count_components(const std::vector<HalfEdge>& edges,
                                              std::size_t triangles) {
-  Groups parts(triangles);
-  auto components = static_cast<std::uint32_t>(triangles);
-  for_each_edge(edges, [&](std::span<const HalfEdge> users) {
-    for (const HalfEdge& user : users.subspan(1)) {
-      if (parts.join(users[0].triangle, user.triangle)) --components;
-    }
-  });
+  Groups parts = parts_over(edges, triangles);
+  std::uint32_t components = 0;
+  for (std::uint32_t t = 0; t < triangles; ++t) components += parts.of(t) == t ? 1 : 0;
   return components;
 }
 
@@ -258,6 +253,14 @@ std::vector<HalfEdge> sorted_edges(const std::vector<Triangle>& triangles) {
     return std::tie(a.low, a.high, a.triangle) < std::tie(b.low, b.high, b.triangle);
   });
   return edges;
+}
+
+Groups parts_over(const std::vector<HalfEdge>& edges, std::size_t triangles) {
+  Groups parts(triangles);
+  for_each_edge(edges, [&](std::span<const HalfEdge> users) {
+    for (const HalfEdge& user : users.subspan(1)) parts.join(users[0].triangle, user.triangle);
+  });
+  return parts;
 }
 
 Orientation orient(std::span<const Vector3> points, std::vector<Triangle>& triangles) {
