@@ -6,56 +6,48 @@
 #include <span>
 #include <vector>
 
+#include "baker/mesh/fan_angles.hpp"
 #include "baker/mesh/mesh.hpp"
+#include "common/base/vector.hpp"
 
 namespace spm::baker {
 
-/// Generalised winding number of a triangle soup (Jacobson et al. 2013): 1 inside a closed solid
-/// whose normals point out, 0 outside, in between near holes. Near triangles are summed exactly.
-/// Far triangles are summed by clusters, each a Taylor expansion to second order (Barill et al.
-/// 2018).
+/// Generalised winding number of triangles, exact up to rounding: 1 inside one closed part whose
+/// normals point out, 2 where two parts overlap, 0 outside, in between near holes. Seen from
+/// outside its box, a cluster of triangles has the solid angle of any surface with the same
+/// boundary. So a fan over its boundary edges replaces it (Jacobson et al. 2013, section 4.2).
 class WindingNumber {
  public:
   /// Copies what it needs. Indices must be in range. Degenerate triangles add nothing.
   WindingNumber(std::span<const Vector3> vertices, std::span<const Triangle> triangles);
 
-  /// Within 1e-3 of the exact sum. A point on the surface takes the value of one of its sides.
-  /// Thread-safe and deterministic.
+  /// Any point in metres; on the surface it takes a value between those of the sides. Thread-safe
+  /// and deterministic.
   [[nodiscard]] double at(const Vector3& point) const noexcept;
 
  private:
-  struct Cluster {
-    Vector3 centre = Vector3::Zero();
-    double near2 =
-        0;  ///< squared distance from the centre within which the expansion is too coarse
-    Vector3 area = Vector3::Zero();    ///< sum of area times normal
-    double trace = 0;                  ///< of the first moment of area times normal
-    std::array<double, 6> first{};     ///< its symmetric part: xx yy zz, 2xy 2yz 2zx
-    Vector3 traces = Vector3::Zero();  ///< contractions of the second moment
-    std::array<double, 10> second{};   ///< its symmetric part, over the monomials of degree 3
-    std::uint32_t begin = 0, end = 0;  ///< its triangles
-    std::uint32_t after = 0;           ///< next cluster that is not below this one
-    bool leaf = false;
-  };
-  using Corners = std::array<Vector3, 3>;
+  using Edge = std::array<std::uint32_t, 2>;
 
-  /// Where a triangle lies: the sum of its corners.
-  struct Middle {
-    Vector3 place = Vector3::Zero();
-    std::uint32_t triangle = 0;
-    std::uint32_t position = 0;  ///< among those that are divided with it
+  struct Node {
+    Vector3 low, high, apex;
+    std::uint32_t first = 0, last = 0;                      ///< triangles
+    std::uint32_t edges = 0;                                ///< of the boundary
+    std::uint32_t first_block = 0, last_block = 0;          ///< they, directed
+    std::uint32_t first_triangles = 0, last_triangles = 0;  ///< of a leaf, in blocks
+    std::int32_t left = -1, right = -1;
   };
 
-  /// Makes the cluster of that number of some triangles, which come to lie from `begin` on, and
-  /// those below it.
-  void build(std::span<const Corners> unsorted, std::span<Middle> middles, std::uint32_t begin,
-             std::uint32_t self);
-  [[nodiscard]] Cluster summarise(std::uint32_t begin, std::uint32_t end) const;
-  static void add_moments(const Corners& corners, Cluster& cluster);
-  [[nodiscard]] static double expansion(const Cluster& cluster, const Vector3& point) noexcept;
+  /// A tree over some of the triangles, its root first.
+  struct Tree {
+    std::vector<Node> nodes;
+    std::vector<EdgeBlock> blocks;  ///< of all nodes
+    std::vector<TriangleBlock> leaves;
 
-  std::vector<Corners> triangles_;
-  std::vector<Cluster> clusters_;  ///< in depth-first order
+    std::int32_t append(const Tree& other);  ///< gives where its root comes to be
+  };
+  class Builder;
+
+  Tree tree_;
 };
 
 }  // namespace spm::baker

@@ -192,7 +192,7 @@ struct Kind {
 /// `across`: of a sliver the unit vector across it in its plane, else 0.
 Side side_of(const ExactWinding& winding, const Vector3& point, const Frame& frame,
              const Scale& scale, const Kind& kind, const Vector3& across) {
-  const auto inside = [&](double height) { return winding.at(point + height * frame.n) > 0.5; };
+  const auto inside = [&](double height) { return winding.at(point + height * frame.n) > 0; };
   // A solid lies beyond a gap, or several such gaps behind each other.
   const auto narrows = [&](double height) {
     return inside(height) || inside(height / 4) || inside(height / 16);
@@ -207,7 +207,7 @@ Side side_of(const ExactWinding& winding, const Vector3& point, const Frame& fra
   if ((sliver || kind.faced_at(frame, point, scale.narrow)) && narrows(open)) return Side::hidden;
   // The end of a gap, between its walls.
   const auto beside = [&](double way) {
-    return winding.at(point + open * frame.n + way * scale.narrow * across) > 0.5;
+    return winding.at(point + open * frame.n + way * scale.narrow * across) > 0;
   };
   if (sliver && beside(1) && beside(-1)) return Side::hidden;
   return below ? Side::outer : Side::turned;

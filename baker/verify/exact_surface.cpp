@@ -138,15 +138,15 @@ struct ExactSurface::Implementation {
   }
 
   /// Also within a gap that is closed: then a solid is as near as the gap is narrow.
-  [[nodiscard]] bool inside(const Vector3& point, double away) const noexcept {
-    if (winding.at(point) > 0.5) return true;
+  [[nodiscard]] bool inside(const Vector3& point, double away) const {
+    if (winding.at(point) > 0) return true;
     const double reach = 2 * narrow;
     if (!gaps_closed || away <= reach) return false;
     for (int axis = 0; axis < 3; ++axis) {
       for (const double way : {-reach, reach}) {
         Vector3 beside = point;
         beside[axis] += way;
-        if (winding.at(beside) > 0.5) return true;
+        if (winding.at(beside) > 0) return true;
       }
     }
     return false;

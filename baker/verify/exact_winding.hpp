@@ -1,48 +1,28 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <array>
-#include <cstdint>
-#include <vector>
+#include <memory>
 
 #include "baker/mesh/mesh.hpp"
-#include "baker/verify/fan_angles.hpp"
 #include "common/base/vector.hpp"
 
 namespace spm::baker {
 
-/// Winding number of a mesh's solids, exact up to rounding: 1 inside one part, 2 where two parts
-/// overlap, 0 outside. Seen from outside its box, a cluster of triangles has
-/// the solid angle of any surface with the same boundary. So a fan over its boundary edges replaces
-/// it (Jacobson et al. 2013, section 4.2).
+/// Winding number of a mesh's closed solids: how often a way out leaves them more than it enters
+/// them, by exact predicates on the doubles as they are.
 class ExactWinding {
  public:
   explicit ExactWinding(const Mesh& mesh);
-  [[nodiscard]] double at(const Vector3& point) const noexcept;
+  ~ExactWinding();
+  ExactWinding(const ExactWinding&) = delete;
+  ExactWinding& operator=(const ExactWinding&) = delete;
+
+  /// A point on the surface takes the value behind it. Thread-safe.
+  [[nodiscard]] int at(const Vector3& point) const;
 
  private:
-  using Edge = std::array<std::uint32_t, 2>;
-
-  struct Node {
-    Vector3 low, high, apex;
-    std::uint32_t first = 0, last = 0;                      ///< triangles
-    std::uint32_t edges = 0;                                ///< of the boundary
-    std::uint32_t first_block = 0, last_block = 0;          ///< they, directed
-    std::uint32_t first_triangles = 0, last_triangles = 0;  ///< of a leaf, in blocks
-    std::int32_t left = -1, right = -1;
-  };
-
-  /// A tree over some of the triangles, its root first.
-  struct Tree {
-    std::vector<Node> nodes;
-    std::vector<EdgeBlock> blocks;  ///< of all nodes
-    std::vector<TriangleBlock> leaves;
-
-    std::int32_t append(const Tree& other);  ///< gives where its root comes to be
-  };
-  class Builder;
-
-  Tree tree_;
+  struct Implementation;
+  std::unique_ptr<Implementation> implementation_;
 };
 
 }  // namespace spm::baker

@@ -127,7 +127,7 @@ struct VerifyOptions {
 [[nodiscard]] Mesh mesh_of_asset(const AssetMetadata& metadata, const std::string& mesh_path);
 
 /// Compares an asset's answers with the exact surface of the mesh file. Closest points are on the
-/// outer union of the mesh's parts (CGAL), and sides come from the generalised winding number. No
+/// outer union of the mesh's parts (CGAL), and sides come from exact winding numbers. No
 /// code is shared with the fit. Samples are uniform by area, at uniform depths from `band` inside
 /// to the margin outside. Where the bake smoothed the surface, this does too, and compares with
 /// both. The mesh is read anew from `mesh_path` with the unit and scale that the asset recorded.

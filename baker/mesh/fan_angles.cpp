@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "baker/verify/fan_angles.hpp"
+#include "baker/mesh/fan_angles.hpp"
 
 #include <cmath>
 
 // Highway compiles what follows once for each kind of processor, by including this file again.
 #undef HWY_TARGET_INCLUDE
-#define HWY_TARGET_INCLUDE "baker/verify/fan_angles.cpp"
+#define HWY_TARGET_INCLUDE "baker/mesh/fan_angles.cpp"
 #include <hwy/foreach_target.h>
 // After foreach_target.h, as it must be.
 #include <hwy/highway.h>

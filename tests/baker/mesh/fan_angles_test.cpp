@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "baker/verify/fan_angles.hpp"
+#include "baker/mesh/fan_angles.hpp"
 
 #include <catch2/catch.hpp>
 #include <numbers>
 
 #include "common/base/random.hpp"
-#include "tests/baker/verify/triangle_winding.hpp"
+#include "tests/baker/mesh/triangle_winding.hpp"
 
 namespace fan_angles_test {
 
