@@ -7,8 +7,10 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <span>
 
 #include "baker/base/cube_bins.hpp"
+#include "baker/mesh/mesh_edges.hpp"
 #include "baker/mesh/triangle_height.hpp"
 #include "baker/surface/triangle_split.hpp"
 #include "common/surface/closest_on_triangle.hpp"
@@ -18,6 +20,8 @@ namespace {
 
 /// From a sheet to the places on its sides that are asked, at least, as a share of the diagonal.
 constexpr double least_step = 1e-9;
+/// From place to place along a sliver, in widths of a gap, and how many there are at most.
+constexpr double sliver_spacing = 12.5, most_of_sliver = 64;
 
 class Gaps {
  public:
@@ -37,53 +41,94 @@ class Gaps {
   [[nodiscard]] std::span<const std::uint32_t> facing(std::uint32_t triangle) const {
     return facing_.of(triangle, triangle);
   }
-  [[nodiscard]] std::array<Vector3, 3> corners(std::uint32_t triangle) const {
-    const auto& [a, b, c] = mesh_.triangles[triangle];
-    return {mesh_.vertices[a], mesh_.vertices[b], mesh_.vertices[c]};
+  /// The sides of those that face a triangle of the mesh, but for sides between two of them.
+  [[nodiscard]] std::vector<std::array<Vector3, 2>> outline(std::uint32_t triangle) const {
+    std::vector<Triangle> others;
+    for (const std::uint32_t other : facing(triangle)) others.push_back(mesh_.triangles[other]);
+    std::vector<std::array<Vector3, 2>> sides;
+    for_each_edge(sorted_edges(others), [&](std::span<const HalfEdge> users) {
+      if (users.size() == 2 && users[0].forward != users[1].forward &&
+          normal(others[users[0].triangle]).dot(normal(others[users[1].triangle])) > 0) {
+        return;
+      }
+      sides.push_back({mesh_.vertices[users[0].low], mesh_.vertices[users[0].high]});
+    });
+    return sides;
   }
 
-  /// Whether a piece of a triangle of the mesh is felt.
+  /// Whether a piece of a triangle of the mesh is felt. One that is no higher than a gap is so only
+  /// where all of its length is: what lies beside it stays, and is no farther than a gap is wide.
   [[nodiscard]] bool is_felt(const std::array<Vector3, 3>& piece,
                              const LooseTriangle& whole) const {
     const auto& [a, b, c] = piece;
     const Vector3 middle = (a + b + c) / 3;
     const Vector3 normal = (b - a).cross(c - a).stableNormalized();
-    if (!whole.sheet) return !bounds_gap(piece, whole.parent, middle, normal);
-    const Vector3 step = std::max(narrow_, least_step * mesh_.diagonal) * normal;
-    return !inside(middle + step) && !inside(middle - step);
+    if (whole.sheet) {
+      const Vector3 step = std::max(narrow_, least_step * mesh_.diagonal) * normal;
+      return !inside(middle + step) && !inside(middle - step);
+    }
+    if (triangle_height(a, b, c) > narrow_) {
+      return !is_faced(middle, whole.parent) || !is_covered(middle, normal);
+    }
+    const std::array<Vector3, 3> long_first = from_longest_side(piece);
+    const Vector3 along = long_first[1] - long_first[0];
+    const Vector3 step = narrow_ * along.stableNormalized(), across = normal.cross(step);
+    const auto count = static_cast<int>(
+        std::clamp(along.norm() / (sliver_spacing * narrow_), 1.0, most_of_sliver));
+    for (int i = 0; i < count; ++i) {
+      const Vector3 place = middle_at(long_first, (i + 0.5) / count);
+      if (is_covered(place, normal)) return false;
+      const Vector3 over = place + narrow_ * normal;
+      if (inside(over + across) && inside(over - across)) return false;
+      if (along.norm() <= 2 * narrow_ && inside(over + step) && inside(over - step)) return false;
+    }
+    return true;
   }
 
  private:
-  /// Whether another faces the piece and beyond that is a solid, or the piece is no higher than a
-  /// gap and lies across one.
-  [[nodiscard]] bool bounds_gap(const std::array<Vector3, 3>& piece, std::uint32_t parent,
-                                const Vector3& middle, const Vector3& normal) const {
+  [[nodiscard]] bool is_faced(const Vector3& place, std::uint32_t parent) const {
     const auto others = facing(parent);
-    const bool faced = std::any_of(others.begin(), others.end(), [&](std::uint32_t other) {
+    return std::any_of(others.begin(), others.end(), [&](std::uint32_t other) {
       const auto [a, b, c] = corners(other);
-      return (closest_on_triangle(middle, a, b, c) - middle).norm() <= 2 * narrow_;
+      return (closest_on_triangle(place, a, b, c) - place).norm() <= 2 * narrow_;
     });
-    const bool sliver = triangle_height(piece[0], piece[1], piece[2]) <= narrow_;
-    if (!faced && !sliver) return false;
-    // Also where there is another such gap behind the next wall.
+  }
+
+  /// Whether a solid lies over a place, also where there is another gap behind the next wall.
+  [[nodiscard]] bool is_covered(const Vector3& place, const Vector3& normal) const {
     constexpr std::array<double, 3> shares{1, 0.25, 0.0625};
-    if (std::any_of(shares.begin(), shares.end(),
-                    [&](double share) { return inside(middle + share * narrow_ * normal); })) {
-      return true;
-    }
-    const Vector3 across = narrow_ * normal.cross(longest_way(piece)).stableNormalized();
-    return sliver && inside(middle + narrow_ * normal + across) &&
-           inside(middle + narrow_ * normal - across);
+    return std::any_of(shares.begin(), shares.end(),
+                       [&](double share) { return inside(place + share * narrow_ * normal); });
   }
 
   [[nodiscard]] bool inside(const Vector3& place) const { return winding_.at(place) >= 0.5; }
 
-  [[nodiscard]] static Vector3 longest_way(const std::array<Vector3, 3>& t) {
-    const std::array<Vector3, 3> ways{t[1] - t[0], t[2] - t[1], t[0] - t[2]};
-    return *std::max_element(ways.begin(), ways.end(),
-                             [](const Vector3& one, const Vector3& other) {
-                               return one.squaredNorm() < other.squaredNorm();
-                             });
+  [[nodiscard]] std::array<Vector3, 3> corners(std::uint32_t triangle) const {
+    const auto& [a, b, c] = mesh_.triangles[triangle];
+    return {mesh_.vertices[a], mesh_.vertices[b], mesh_.vertices[c]};
+  }
+  [[nodiscard]] Vector3 normal(const Triangle& triangle) const {
+    const Vector3& from = mesh_.vertices[triangle[0]];
+    return (mesh_.vertices[triangle[1]] - from).cross(mesh_.vertices[triangle[2]] - from);
+  }
+
+  /// The same corners in the same order, from where the longest side begins.
+  [[nodiscard]] static std::array<Vector3, 3> from_longest_side(std::array<Vector3, 3> t) {
+    const std::array<double, 3> lengths{(t[1] - t[0]).norm(), (t[2] - t[1]).norm(),
+                                        (t[0] - t[2]).norm()};
+    std::rotate(t.begin(),
+                t.begin() + (std::max_element(lengths.begin(), lengths.end()) - lengths.begin()),
+                t.end());
+    return t;
+  }
+
+  /// The middle of a sliver at a share of the length of its longest side, the first.
+  [[nodiscard]] static Vector3 middle_at(const std::array<Vector3, 3>& t, double share) {
+    const Vector3 along = t[1] - t[0];
+    const double top = std::clamp((t[2] - t[0]).dot(along) / along.squaredNorm(), 0.0, 1.0);
+    const Vector3 opposite = share < top ? Vector3(t[0] + share / top * (t[2] - t[0]))
+                                         : Vector3(t[1] + (1 - share) / (1 - top) * (t[2] - t[1]));
+    return (t[0] + share * along + opposite) / 2;
   }
 
   const Mesh& mesh_;
@@ -92,9 +137,9 @@ class Gaps {
   CubeBins facing_;
 };
 
-[[nodiscard]] Eigen::AlignedBox3d box_around(const std::array<Vector3, 3>& corners, double margin) {
+[[nodiscard]] Eigen::AlignedBox3d box_around(std::span<const Vector3> places, double margin) {
   Eigen::AlignedBox3d box;
-  for (const Vector3& corner : corners) box.extend(corner);
+  for (const Vector3& place : places) box.extend(place);
   return {box.min().array() - margin, box.max().array() + margin};
 }
 
@@ -105,17 +150,20 @@ Felt without_narrow_gaps(const Mesh& mesh, std::span<const TrianglePair> facing,
                          const std::vector<LooseTriangle>& triangles) {
   const Gaps gaps(mesh, facing, narrow, winding);
   std::vector<Triangle> whole;
-  std::vector<OutlineCut> outlines;
+  std::vector<SeenCut> cuts;
+  std::vector<std::array<Vector3, 2>> outline;
   for (std::uint32_t t = 0; t < triangles.size(); ++t) {
     whole.push_back(triangles[t].corners);
+    const std::uint32_t parent = triangles[t].parent;
+    if (t == 0 || parent != triangles[t - 1].parent) outline = gaps.outline(parent);
     const auto& [a, b, c] = triangles[t].corners;
-    const Eigen::AlignedBox3d box = box_around({points[a], points[b], points[c]}, narrow);
-    for (const std::uint32_t other : gaps.facing(triangles[t].parent)) {
-      const std::array<Vector3, 3> corners = gaps.corners(other);
-      if (box.intersects(box_around(corners, narrow))) outlines.emplace_back(t, corners);
+    const std::array<Vector3, 3> corners{points[a], points[b], points[c]};
+    const Eigen::AlignedBox3d box = box_around(corners, narrow);
+    for (const std::array<Vector3, 2>& side : outline) {
+      if (box.intersects(box_around(side, narrow))) cuts.emplace_back(t, side);
     }
   }
-  const SplitMesh split = cut_along_outlines(points, whole, outlines);
+  const SplitMesh split = cut_as_seen(points, whole, cuts);
   std::vector<char> felt(split.pieces.size(), 0);
   tbb::parallel_for(std::size_t{0}, felt.size(), [&](std::size_t piece) {
     const auto& [a, b, c] = split.pieces[piece];

@@ -30,9 +30,8 @@ struct Cuts {
   std::vector<std::pair<Exact::Point_2, Exact::Point_2>> seen;
 };
 
-template <class Point>
-void add_outline(const std::vector<Point>& outline,
-                 std::vector<std::pair<Point, Point>>& segments) {
+void add_outline(const std::vector<Exact::Point_3>& outline,
+                 std::vector<std::pair<Exact::Point_3, Exact::Point_3>>& segments) {
   for (std::size_t i = 0; i < outline.size(); ++i) {
     segments.emplace_back(outline[i], outline[(i + 1) % outline.size()]);
   }
@@ -116,23 +115,19 @@ class Splitter {
     }
   }
 
-  /// Cuts a triangle along the outline of another, as seen along the axis that is closest to its
-  /// normal. One that rounding left on a line is not cut.
-  void outline(std::uint32_t index, const std::array<Vector3, 3>& other) {
+  /// Cuts a triangle along a segment, as seen along the axis that is closest to its normal. One
+  /// that rounding left on a line is not cut.
+  void cut(std::uint32_t index, const std::array<Vector3, 2>& segment) {
     const std::array<Exact::Point_3, 3> own = corners(index);
     if (CGAL::collinear(own[0], own[1], own[2])) return;
     const Projection projection(own);
     const auto flat = [&](const Exact::Point_3& point) { return projection.down(point); };
-    const Exact::Triangle_2 seen(flat(own[0]), flat(own[1]), flat(own[2]));
-    Exact::Triangle_2 shadow(flat(exact_point(other[0])), flat(exact_point(other[1])),
-                             flat(exact_point(other[2])));
-    if (shadow.is_degenerate()) return;
-    if (shadow.orientation() == CGAL::CLOCKWISE) shadow = shadow.opposite();
-    const CGAL::Object common = CGAL::intersection(seen, shadow);
-    if (const auto* face = CGAL::object_cast<Exact::Triangle_2>(&common)) {
-      add_outline({face->vertex(0), face->vertex(1), face->vertex(2)}, cuts_[index].seen);
-    } else if (const auto* outline = CGAL::object_cast<std::vector<Exact::Point_2>>(&common)) {
-      add_outline(*outline, cuts_[index].seen);
+    const Exact::Segment_2 seen(flat(exact_point(segment[0])), flat(exact_point(segment[1])));
+    if (seen.is_degenerate()) return;
+    const CGAL::Object common =
+        CGAL::intersection(Exact::Triangle_2(flat(own[0]), flat(own[1]), flat(own[2])), seen);
+    if (const auto* part = CGAL::object_cast<Exact::Segment_2>(&common)) {
+      cuts_[index].seen.emplace_back(part->source(), part->target());
     }
   }
 
@@ -226,10 +221,10 @@ SplitMesh split_triangles(std::span<const Vector3> points, std::span<const Trian
   return splitter.finish();
 }
 
-SplitMesh cut_along_outlines(std::span<const Vector3> points, std::span<const Triangle> triangles,
-                             std::span<const OutlineCut> outlines) {
+SplitMesh cut_as_seen(std::span<const Vector3> points, std::span<const Triangle> triangles,
+                      std::span<const SeenCut> cuts) {
   Splitter splitter(points, triangles);
-  for (const auto& [triangle, corners] : outlines) splitter.outline(triangle, corners);
+  for (const auto& [triangle, segment] : cuts) splitter.cut(triangle, segment);
   SplitMesh split = splitter.finish();
   std::size_t kept = 0;
   for (std::size_t piece = 0; piece < split.pieces.size(); ++piece) {

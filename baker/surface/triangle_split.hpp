@@ -33,12 +33,12 @@ struct SplitMesh {
                                         std::span<const Triangle> triangles,
                                         std::span<const TrianglePair> crossing, std::size_t solids);
 
-/// A triangle, and the corners of another along whose outline it is cut, as seen along its normal.
-using OutlineCut = std::pair<std::uint32_t, std::array<Vector3, 3>>;
+/// A triangle, and a segment along which it is cut, as seen along its normal.
+using SeenCut = std::pair<std::uint32_t, std::array<Vector3, 2>>;
 
-/// Cuts triangles along outlines. Pieces without area are left out.
-[[nodiscard]] SplitMesh cut_along_outlines(std::span<const Vector3> points,
-                                           std::span<const Triangle> triangles,
-                                           std::span<const OutlineCut> outlines);
+/// Cuts triangles along segments that lie over them. Pieces without area are left out.
+[[nodiscard]] SplitMesh cut_as_seen(std::span<const Vector3> points,
+                                    std::span<const Triangle> triangles,
+                                    std::span<const SeenCut> cuts);
 
 }  // namespace spm::baker
