@@ -128,6 +128,11 @@ class OpenSurfaces {
   }
 
   [[nodiscard]] std::uint32_t of(std::uint32_t triangle) { return surfaces_.of(triangle); }
+  /// The same of what is open, and the patch of what is not.
+  [[nodiscard]] std::uint32_t part_of(std::uint32_t triangle) {
+    const std::uint32_t patch = patches_.of(triangle);
+    return open_[patch] != 0 ? of(triangle) : patch;
+  }
 
  private:
   std::vector<HalfEdge> edges_;
@@ -193,6 +198,7 @@ Lids add_lids(std::span<const Vector3> points, OpenAs open_as, double flat_withi
     if (flat[t] != 0) sheets.insert(surfaces.of(t));
   }
   Lids found;
+  for (std::uint32_t t = 0; t < triangles.size(); ++t) found.parts.push_back(surfaces.part_of(t));
   std::vector<Triangle> all;
   for (const auto& [surface, border] : surfaces.borders()) {
     if (sheets.contains(surface)) continue;
@@ -211,6 +217,7 @@ Lids add_lids(std::span<const Vector3> points, OpenAs open_as, double flat_withi
       continue;
     }
     all.insert(all.end(), lids.begin(), lids.end());
+    found.parts.insert(found.parts.end(), lids.size(), surface);
     found.holes.insert(found.holes.end(), closed.begin(), closed.end());
   }
   found.sheets = static_cast<std::uint32_t>(sheets.size());

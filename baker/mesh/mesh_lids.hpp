@@ -11,8 +11,10 @@ namespace spm::baker {
 
 /// What open surfaces are taken for.
 struct Lids {
-  std::vector<Hole> holes;   ///< that lids close, largest first
-  std::vector<char> sheet;   ///< by triangle, whether it is a sheet's
+  std::vector<Hole> holes;  ///< that lids close, largest first
+  std::vector<char> sheet;  ///< by triangle, whether it is a sheet's
+  /// By triangle the number of the closed patch, or of the open surface with its lids.
+  std::vector<std::uint32_t> parts;
   std::uint32_t sheets = 0;  ///< parts that are sheets
   std::size_t added = 0;     ///< triangles of lids
 };

@@ -5,6 +5,7 @@
 
 #include <algorithm>
 #include <cmath>
+#include <map>
 #include <numeric>
 #include <optional>
 #include <tuple>
@@ -108,7 +109,7 @@ class Turner {
     for (Patch& patch : patches_) measure(patch);
   }
 
-  void run(Orientation& orientation) {
+  void run(Counted& turned) {
     // The largest first, so that the surroundings of a patch are settled before the patch.
     std::vector<std::size_t> order(patches_.size());
     std::iota(order.begin(), order.end(), std::size_t{0});
@@ -119,7 +120,7 @@ class Turner {
     std::vector<char> inverted(patches_.size(), 0);
     for (const std::size_t i : order) {
       if (!patches_[i].closed) {
-        settle_open(i, orientation);
+        settle_open(i, turned);
         continue;
       }
       inverted[i] = patches_[i].volume < 0 ? 1 : 0;
@@ -134,7 +135,7 @@ class Turner {
       // been right.
       const bool inward = outermost ? inverted[i] != inverted[*outermost] : inverted[i] != 0;
       const bool cavity = inward && around > 0;
-      if (cavity != (patches_[i].volume < 0)) turn_patch(i, orientation);
+      if (cavity != (patches_[i].volume < 0)) turn_patch(i, turned);
       settled.push_back(i);
     }
   }
@@ -194,7 +195,7 @@ class Turner {
   /// Whether an open patch faces outward, judged from its own faces: then most of a full turn is
   /// behind it and little in front. On the faces themselves the mean of both is near 1/2, or -1/2
   /// if the patch is inverted.
-  void settle_open(std::size_t index, Orientation& orientation) {
+  void settle_open(std::size_t index, Counted& turned) {
     constexpr std::size_t kProbes = 256;
     const auto& own = patches_[index].triangles;
     const std::size_t step = std::max<std::size_t>(1, own.size() / kProbes);
@@ -213,13 +214,13 @@ class Turner {
       weight += size;
     }
     const double mean = weight > 0 ? sum / weight : 0;
-    if (mean < 0) turn_patch(index, orientation);
+    if (mean < 0) turn_patch(index, turned);
   }
 
-  void turn_patch(std::size_t index, Orientation& orientation) {
+  void turn_patch(std::size_t index, Counted& turned) {
     for (const std::uint32_t t : patches_[index].triangles) turn(triangles_[t]);
     patches_[index].volume = -patches_[index].volume;
-    orientation.inverted.add(1, triangles_[patches_[index].triangles.front()][0]);
+    turned.add(1, triangles_[patches_[index].triangles.front()][0]);
   }
 
   std::span<const Vector3> points_;
@@ -268,9 +269,20 @@ Orientation orient(std::span<const Vector3> points, std::vector<Triangle>& trian
   const std::vector<HalfEdge> edges = sorted_edges(triangles);
   orientation.components = count_components(edges, triangles.size());
   std::vector<Patch> patches = Patcher(triangles, edges, orientation).patches();
-  Turner(points, triangles, patches).run(orientation);
+  Turner(points, triangles, patches).run(orientation.inverted);
   orientation.border_edges = count_border_edges(triangles);
   return orientation;
+}
+
+Counted turn_parts(std::span<const Vector3> points, std::span<const std::uint32_t> parts,
+                   std::vector<Triangle>& triangles) {
+  std::map<std::uint32_t, Patch> numbered;
+  for (std::uint32_t t = 0; t < triangles.size(); ++t) numbered[parts[t]].triangles.push_back(t);
+  std::vector<Patch> patches;
+  for (auto& [number, patch] : numbered) patches.push_back(std::move(patch));
+  Counted turned;
+  Turner(points, triangles, patches).run(turned);
+  return turned;
 }
 
 std::vector<char> open_vertices(std::size_t vertices, const std::vector<Triangle>& triangles) {

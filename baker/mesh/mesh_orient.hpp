@@ -24,4 +24,10 @@ struct Orientation {
 /// around it.
 [[nodiscard]] Orientation orient(std::span<const Vector3> points, std::vector<Triangle>& triangles);
 
+/// Turns parts as a whole where they are inside out, by the same rules; gives how many. `parts` are
+/// their numbers, by triangle.
+[[nodiscard]] Counted turn_parts(std::span<const Vector3> points,
+                                 std::span<const std::uint32_t> parts,
+                                 std::vector<Triangle>& triangles);
+
 }  // namespace spm::baker

@@ -180,11 +180,13 @@ void repair(PolygonSoup soup, Mesh& mesh) {
   Orientation& orientation = changes.orientation = orient(soup.points, soup.triangles);
   const Lids lids = add_lids(soup.points, mesh.open_as, seam, soup.triangles);
   std::vector<Triangle> sheets;
+  std::vector<std::uint32_t> parts;  // of solids
   for (std::size_t t = 0; t < soup.triangles.size(); ++t) {
     (lids.sheet[t] != 0 ? sheets : mesh.triangles).push_back(soup.triangles[t]);
+    if (lids.sheet[t] == 0) parts.push_back(lids.parts[t]);
   }
   if (!lids.holes.empty()) {
-    const Counted inverted = orient(soup.points, mesh.triangles).inverted;
+    const Counted inverted = turn_parts(soup.points, parts, mesh.triangles);
     orientation.inverted.add(inverted.count, inverted.vertex);
   }
   const auto first = mesh.triangles.end() - static_cast<std::ptrdiff_t>(lids.added);

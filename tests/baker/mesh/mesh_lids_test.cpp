@@ -1,13 +1,17 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include <algorithm>
+#include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <cstdint>
 #include <iterator>
 #include <numbers>
+#include <utility>
 #include <vector>
 
 #include "baker/mesh/mesh.hpp"
+#include "baker/mesh/mesh_edges.hpp"
+#include "baker/mesh/winding_number.hpp"
 #include "tests/baker/mesh/mesh_support.hpp"
 #include "tests/support/shapes.hpp"
 
@@ -52,7 +56,48 @@ using baker::Mesh;
   return shape;
 }
 
+/// A cube with edges of 2 and on its top a bump of 0.2, whose foot is a part of the top as well: at
+/// its rim three triangles meet. A half of the bump's own top is missing.
+[[nodiscard]] Shape cube_with_pierced_bump() {
+  Shape shape{{{-1, -1, 1}, {1, -1, 1}, {1, 1, 1}, {-1, 1, 1}}, {}};
+  for (const double z : {1.0, 1.2}) {
+    for (const auto& [x, y] : {std::pair(-0.1, -0.1), {0.1, -0.1}, {0.1, 0.1}, {-0.1, 0.1}}) {
+      shape.vertices.emplace_back(x, y, z);
+    }
+  }
+  for (std::uint32_t k = 0; k < 4; ++k) {
+    const std::uint32_t next = (k + 1) % 4;
+    for (const std::uint32_t ring : {0U, 4U}) {
+      shape.triangles.push_back({ring + k, ring + next, ring + 4 + next});
+      shape.triangles.push_back({ring + k, ring + 4 + next, ring + 4 + k});
+    }
+  }
+  for (const auto& triangle : {std::array{4U, 5U, 6U}, {4U, 6U, 7U}, {8U, 9U, 10U}}) {
+    shape.triangles.push_back(triangle);
+  }
+  Shape rest = box({2, 2, 2});
+  std::erase_if(rest.triangles, [&](const auto& triangle) {
+    return std::all_of(triangle.begin(), triangle.end(),
+                       [&](std::uint32_t corner) { return rest.vertices[corner].z() > 0; });
+  });
+  return merged(shape, rest);
+}
+
 }  // namespace
+
+TEST_CASE("Parts that lids close together are turned together") {
+  for (const bool inside_out : {false, true}) {
+    const Shape shape = cube_with_pierced_bump();
+    const Mesh mesh = load_shape(inside_out ? turned(shape) : shape);
+    CHECK(mesh.closed());
+    CHECK(mesh.lids.size() == 2);
+    baker::for_each_edge(baker::sorted_edges(mesh.triangles),
+                         [](const auto& users) { CHECK(baker::is_balanced(users)); });
+    const baker::WindingNumber winding(mesh.vertices, mesh.triangles);
+    CHECK(winding.at({0, 0, 0.9}) == Approx(1));
+    CHECK(winding.at({0, 0, 1.3}) == Approx(0).margin(1e-9));
+  }
+}
 
 TEST_CASE("A small hole of a solid is closed by a lid, and the file's border edges are told") {
   for (const bool inside_out : {false, true}) {
