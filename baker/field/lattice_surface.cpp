@@ -9,6 +9,7 @@
 
 #include "baker/field/edge_collapse.hpp"
 #include "baker/field/feature_sides.hpp"
+#include "baker/field/surface_distance.hpp"
 #include "baker/mesh/mesh_edges.hpp"
 #include "baker/mesh/sliver_removal.hpp"
 #include "baker/mesh/triangle_height.hpp"
@@ -139,6 +140,21 @@ void add_triangle(const LooseTriangle& loose, const std::vector<LatticePoint>& v
   lattice.triangles.push_back(triangle);
 }
 
+/// Where many slivers went, the sum of what each moved is far more than the surface did.
+double measured_displacement(const OuterSurface& surface, const Caster& caster,
+                             const std::vector<LooseTriangle>& loose,
+                             const LatticeSurface& lattice) {
+  OuterSurface rounded;
+  rounded.vertices = lattice.surface.vertices;
+  for (const LooseTriangle& triangle : loose) {
+    rounded.triangles.push_back(triangle.corners);
+    rounded.solid_count += triangle.sheet ? 0 : 1;
+  }
+  const double enough = max_single_error * lattice.step;
+  return std::max(largest_distance(rounded, caster, enough),
+                  largest_distance(surface, Caster(rounded), enough));
+}
+
 /// Rounds the surfaces that tell the side, where those that are felt do not close.
 void add_crossed(const ClosedSurfaces& sides, LatticeSurface& lattice) {
   std::vector<LatticePoint> vertices;
@@ -194,8 +210,10 @@ LatticeSurface round_to_lattice(const OuterSurface& surface, const Caster& caste
     loose.push_back({surface.triangles[t], sheet, sheet || (t < bare.size() && bare[t])});
   }
   const double thin = sliver_steps * lattice.step;
-  lattice.displacement +=
-      remove_slivers(lattice.surface.vertices, thin, loose) + max_single_error * lattice.step;
+  const double slid = remove_slivers(lattice.surface.vertices, thin, loose);
+  lattice.displacement = slid > thin ? measured_displacement(surface, caster, loose, lattice)
+                                     : lattice.displacement + slid;
+  lattice.displacement += max_single_error * lattice.step;
   const double still = lattice.displacement;
   std::vector<LooseTriangle> fewer = loose;
   std::vector<double> moved = collapse_edges(

@@ -1,0 +1,129 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "baker/field/surface_distance.hpp"
+
+#include <tbb/parallel_for.h>
+
+#include <algorithm>
+#include <array>
+#include <cstdint>
+#include <limits>
+#include <vector>
+
+#include "common/surface/closest_on_triangle.hpp"
+
+namespace spm::baker {
+namespace {
+
+using Corners = std::array<Vector3, 3>;
+
+/// So often a triangle is cut at most, and no more where its bound is that near to a distance.
+constexpr int most_cuts = 48;
+constexpr double near_enough = 1.5;
+
+class Bound {
+ public:
+  Bound(const Caster& to, double enough) : to_(to), enough_(enough) {}
+
+  /// Of a part of a triangle, where so many cuts are left. The distance to one triangle is convex,
+  /// so that it is largest in a corner.
+  [[nodiscard]] double of(const Corners& part, bool sheet, int cuts) const {
+    const Vector3 middle = (part[0] + part[1] + part[2]) / 3;
+    double least = std::numeric_limits<double>::infinity(), best = least;
+    std::uint32_t nearest = 0;
+    for (const std::uint32_t triangle : around(middle, sheet)) {
+      const double away = distance(middle, triangle);
+      if (away < least) nearest = triangle;
+      least = std::min(least, away);
+      best = std::min(best, std::max({distance(part[0], triangle), distance(part[1], triangle),
+                                      distance(part[2], triangle)}));
+    }
+    if (best <= std::max(enough_, near_enough * least)) return best;
+    double radius = 0;
+    for (const Vector3& corner : part) radius = std::max(radius, (corner - middle).norm());
+    best = std::min(best, least + radius);
+    if (cuts == 0 || radius <= enough_) return best;
+    double largest = 0;
+    for (const Corners& smaller : beside(part, nearest)) {
+      largest = std::max(largest, of(smaller, sheet, cuts - 1));
+    }
+    return std::min(best, largest);
+  }
+
+ private:
+  /// A part, cut along the side of a triangle that it is on both sides of, or where it is so of
+  /// none in two.
+  [[nodiscard]] std::vector<Corners> beside(const Corners& part, std::uint32_t triangle) const {
+    for (int k = 0; k < 3; ++k) {
+      const Vector3& from = to_.corner(triangle, k);
+      const Vector3 inwards =
+          to_.normal(triangle).cross(to_.corner(triangle, (k + 1) % 3) - from).normalized();
+      std::array<double, 3> in{};
+      for (std::size_t i = 0; i < 3; ++i) in[i] = inwards.dot(part[i] - from);
+      const auto [low, high] = std::minmax_element(in.begin(), in.end());
+      if (*low < -enough_ / 2 && *high > enough_ / 2) return cut(part, in);
+    }
+    std::array<double, 3> along{};
+    std::size_t longest = 0;
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (length(part, k) > length(part, longest)) longest = k;
+    }
+    along[longest] = -1;
+    along[(longest + 1) % 3] = 1;
+    return cut(part, along);
+  }
+  /// The pieces on both sides of where a value, which the corners have, is 0.
+  [[nodiscard]] static std::vector<Corners> cut(const Corners& part,
+                                                const std::array<double, 3>& values) {
+    std::vector<Corners> pieces;
+    for (const double side : {-1.0, 1.0}) {
+      std::vector<Vector3> polygon;
+      for (std::size_t i = 0; i < 3; ++i) {
+        const double here = side * values[i], next = side * values[(i + 1) % 3];
+        if (here >= 0) polygon.push_back(part[i]);
+        if (here * next < 0) {
+          polygon.emplace_back(part[i] + here / (here - next) * (part[(i + 1) % 3] - part[i]));
+        }
+      }
+      for (std::size_t i = 2; i < polygon.size(); ++i) {
+        pieces.push_back({polygon[0], polygon[i - 1], polygon[i]});
+      }
+    }
+    return pieces;
+  }
+  [[nodiscard]] static double length(const Corners& part, std::size_t k) {
+    return (part[(k + 1) % 3] - part[k]).norm();
+  }
+  [[nodiscard]] double distance(const Vector3& place, std::uint32_t triangle) const {
+    return (closest_on_triangle(place, to_.corner(triangle, 0), to_.corner(triangle, 1),
+                                to_.corner(triangle, 2)) -
+            place)
+        .norm();
+  }
+  /// Those of the kind that are near a place, the nearest among them.
+  [[nodiscard]] std::vector<std::uint32_t> around(const Vector3& place, bool sheet) const {
+    std::vector<std::uint32_t> near;
+    for (double radius = 2 * enough_; near.empty() && radius < 4 * to_.diagonal(); radius *= 4) {
+      to_.within(place, radius, near);
+      std::erase_if(near, [&](std::uint32_t t) { return to_.is_sheet(t) != sheet; });
+    }
+    return near;
+  }
+
+  const Caster& to_;
+  double enough_;  ///< m
+};
+
+}  // namespace
+
+double largest_distance(const OuterSurface& from, const Caster& to, double enough) {
+  const Bound bound(to, enough);
+  std::vector<double> bounds(from.triangles.size());
+  tbb::parallel_for(std::size_t{0}, bounds.size(), [&](std::size_t t) {
+    const auto& [a, b, c] = from.triangles[t];
+    bounds[t] = bound.of({from.vertices[a], from.vertices[b], from.vertices[c]},
+                         t >= from.solid_count, most_cuts);
+  });
+  return bounds.empty() ? 0 : *std::max_element(bounds.begin(), bounds.end());
+}
+
+}  // namespace spm::baker
