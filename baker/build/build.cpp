@@ -354,12 +354,14 @@ void check_paths(const BuildRequest& request) {
 }
 
 BuildReport run_build(const BuildRequest& request, const Progress& progress) {
-  const auto tell = [&](const char* stage) {
-    if (progress) progress(stage, 0);
-  };
   const Clock::time_point start = Clock::now();
   Seconds seconds;
   TimeLimit time_limit(request.time_limit, request.output);
+  const Progress timed = [&](const char* stage, double done) {
+    time_limit.enter(stage);
+    if (progress) progress(stage, done);
+  };
+  const auto tell = [&](const char* stage) { timed(stage, 0); };
   check_paths(request);
   BakeOptions options = request.bake;
   BuildReport report;
@@ -372,7 +374,9 @@ BuildReport run_build(const BuildRequest& request, const Progress& progress) {
   refuse_findings(request, mesh.findings);
 
   check_limits(request.limits, options, mesh, request.allow_inexact);
-  BakeResult baked = bake_named(mesh, options, progress);
+  time_limit.describe(fmt::format("{} triangles in {} {}", mesh.triangles.size(), mesh.components,
+                                  mesh.components == 1 ? "part" : "parts"));
+  BakeResult baked = bake_named(mesh, options, timed);
   refuse_findings(request, baked.report.found_in_surface);
   const AssetMetadata& metadata = baked.asset.metadata;
   if (metadata.tolerance && !options.tolerance) {

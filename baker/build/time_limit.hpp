@@ -20,12 +20,19 @@ class TimeLimit {
   TimeLimit(const TimeLimit&) = delete;
   TimeLimit& operator=(const TimeLimit&) = delete;
 
+  /// What is being done, named in the sentence with what of a mesh makes it long, and what is known
+  /// of the mesh.
+  void enter(std::string stage);
+  void describe(std::string mesh);
   void disarm();
 
  private:
+  [[nodiscard]] std::string place() const;
+
   std::mutex mutex_;
   std::condition_variable changed_;
   bool disarmed_ = false;
+  std::string stage_, mesh_;
   std::thread watch_;
 };
 

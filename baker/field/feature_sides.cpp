@@ -6,7 +6,9 @@
 
 #include <algorithm>
 #include <array>
+#include <atomic>
 #include <cmath>
+#include <iterator>
 #include <optional>
 #include <span>
 #include <tuple>
@@ -170,9 +172,13 @@ class Neighbours {
     });
     if (!surface.sides) return;
     // Where the surface does not close, another face may lie on a part of one.
-    tbb::parallel_for(std::size_t{0}, surface.triangles.size(), [&](std::size_t t) {
-      if (is_covered(t)) faces_[t] = FeatureSide::by_crossings;
+    std::vector<std::atomic<bool>> covered(surface.triangles.size());
+    tbb::parallel_for(std::size_t{0}, covered.size(), [&](std::size_t t) {
+      for (const std::uint32_t other : on_places_of(t)) covered[t] = covered[other] = true;
     });
+    for (std::size_t t = 0; t < covered.size(); ++t) {
+      if (covered[t]) faces_[t] = FeatureSide::by_crossings;
+    }
   }
 
   [[nodiscard]] FeatureSide at_face(std::uint32_t t) const { return faces_[t]; }
@@ -260,29 +266,17 @@ class Neighbours {
     }
     return places;
   }
-  [[nodiscard]] bool lies_on(std::size_t one, std::size_t other) const {
-    const Triangle& t = surface_.triangles[other];
-    const std::array<Vector3, 7> places = places_of(one);
-    return std::any_of(places.begin(), places.end(), [&](const Vector3& place) {
-      const Vector3 on = closest_on_triangle(place, surface_.vertices[t[0]],
-                                             surface_.vertices[t[1]], surface_.vertices[t[2]]);
-      return (on - place).norm() < surface_.sides->gap;
-    });
-  }
-  /// Whether another face, which faces the other way, lies on a part of one.
-  [[nodiscard]] bool is_covered(std::size_t t) const {
+  /// Faces that pass a place of one and face the other way.
+  [[nodiscard]] std::vector<std::uint32_t> on_places_of(std::size_t t) const {
     constexpr double opposite = -0.98;
-    const std::array<Vector3, 7> places = places_of(t);
-    double radius = surface_.sides->gap;
-    for (const std::uint32_t corner : surface_.triangles[t]) {
-      radius = std::max(radius, (surface_.vertices[corner] - places[6]).norm());
+    std::vector<std::uint32_t> found, near;
+    for (const Vector3& place : places_of(t)) {
+      asked_.surface.within(place, surface_.sides->gap, near);
+      std::copy_if(near.begin(), near.end(), std::back_inserter(found), [&](std::uint32_t other) {
+        return other != t && normals_[other].dot(normals_[t]) < opposite;
+      });
     }
-    std::vector<std::uint32_t> near;
-    asked_.surface.within(places[6], radius, near);
-    return std::any_of(near.begin(), near.end(), [&](std::uint32_t other) {
-      return other != t && normals_[other].dot(normals_[t]) < opposite &&
-             (lies_on(t, other) || lies_on(other, t));
-    });
+    return found;
   }
 
   /// Whether places beside one on the surface, which is so far from the solid, are inside. Empty

@@ -7,6 +7,7 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <utility>
 #include <vector>
 
 #include "common/surface/closest_on_triangle.hpp"
@@ -28,12 +29,17 @@ class Bound {
   /// so that it is largest in a corner.
   [[nodiscard]] double of(const Corners& part, bool sheet, int cuts) const {
     const Vector3 middle = (part[0] + part[1] + part[2]) / 3;
-    double least = std::numeric_limits<double>::infinity(), best = least;
-    std::uint32_t nearest = 0;
+    std::vector<std::pair<double, std::uint32_t>> near;
     for (const std::uint32_t triangle : around(middle, sheet)) {
-      const double away = distance(middle, triangle);
-      if (away < least) nearest = triangle;
-      least = std::min(least, away);
+      near.emplace_back(distance(middle, triangle), triangle);
+    }
+    std::sort(near.begin(), near.end());
+    if (near.empty()) return std::numeric_limits<double>::infinity();
+    const auto [least, nearest] = near.front();
+    double best = std::numeric_limits<double>::infinity();
+    for (const auto& [away, triangle] : near) {
+      // No triangle has a smaller bound than its distance in the middle.
+      if (best <= std::max(enough_, away)) break;
       best = std::min(best, std::max({distance(part[0], triangle), distance(part[1], triangle),
                                       distance(part[2], triangle)}));
     }

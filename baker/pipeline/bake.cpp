@@ -214,6 +214,7 @@ BakeResult bake(const Mesh& mesh, const BakeOptions& options, const Progress& pr
   }
   const Mesh& solid = result.smoothed ? *result.smoothed : mesh;
   if (result.report.smooth) result.report.stages.end("smooth");
+  if (progress) progress("surface", 0);
   OuterSurface surface = outer_surface(solid, narrow_gap_share * answer_tolerance(asset.metadata));
   if (result.report.smooth) surface.hidden += result.report.smooth->hidden;
   if (surface.triangles.empty()) {

@@ -195,6 +195,7 @@ void bake_sparse(BakeResult& result, const OuterSurface& surface, const Caster& 
   const Reachability reachability(caster, metadata.band, options.probe_radius, options.workspace,
                                   progress);
   report.stages.end("reachability");
+  if (progress) progress("lattice", 0);
   const LatticeSurface lattice = round_to_lattice(surface, caster, known.bare, tolerance);
   const Caster& rounded = *lattice.caster;
   report.stages.end("lattice");

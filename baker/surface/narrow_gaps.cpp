@@ -21,7 +21,7 @@ namespace {
 /// From a sheet to the places on its sides that are asked, at least, as a share of the diagonal.
 constexpr double least_step = 1e-9;
 /// From place to place along a sliver, in widths of a gap, and how many there are at most.
-constexpr double sliver_spacing = 12.5, most_of_sliver = 64;
+constexpr double sliver_spacing = 25, most_of_sliver = 64;
 
 class Gaps {
  public:
@@ -77,8 +77,8 @@ class Gaps {
         std::clamp(along.norm() / (sliver_spacing * narrow_), 1.0, most_of_sliver));
     for (int i = 0; i < count; ++i) {
       const Vector3 place = middle_at(long_first, (i + 0.5) / count);
-      if (is_covered(place, normal)) return false;
       const Vector3 over = place + narrow_ * normal;
+      if (i == count / 2 ? is_covered(place, normal) : inside(over)) return false;
       if (inside(over + across) && inside(over - across)) return false;
       if (along.norm() <= 2 * narrow_ && inside(over + step) && inside(over - step)) return false;
     }
