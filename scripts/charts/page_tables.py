@@ -103,22 +103,69 @@ def bakes_table(reports: dict) -> list[str]:
                   "unanswered, places / hard places", "wrong side, %, places / hard places"], rows)
 
 
+def wild_outcome(row: dict) -> str:
+    """What became of a mesh that people have."""
+    if not row:
+        return ""
+    if row["build"] != 0:
+        return f"{row['build']}"
+    return "kept" if row["verify"] == 0 else f"0, then {row['verify']}"
+
+
+def wild_packages(reports: dict, folder: str) -> list[str]:
+    """The meshes of a folder of packages, a row a package."""
+    rows = [row for row in reports.get("wild", {}).get("rows", []) if row["folder"] == folder]
+    if not rows:
+        return [NOT_MEASURED]
+
+    def cells(package: str) -> list[str]:
+        own = [row for row in rows if row["mesh"].startswith(package + "/")]
+        kept = [row for row in own if wild_outcome(row) == "kept"]
+        refused = sum(row["build"] in (2, 3) for row in own)
+        missed = len(own) - refused - len(kept)
+        return [f"`{package}`", str(len(own)), str(refused), str(len(kept)), str(missed),
+                f"{max((row['seconds'] for row in kept if row['triangles'] <= 20000), default=0):.0f} s"]
+
+    return table(["package", "files", "refused in a sentence", "kept", "missed",
+                  "longest kept up to 20,000 triangles"],
+                 [cells(package) for package in sorted({row["mesh"].split("/")[0] for row in rows})])
+
+
+def wild_missed(reports: dict, folder: str) -> list[str]:
+    """Those of them that are neither kept nor refused."""
+    rows = [row for row in reports.get("wild", {}).get("rows", [])
+            if row["folder"] == folder and row["build"] not in (2, 3) and wild_outcome(row) != "kept"]
+    return table(["mesh", "outcome", "processor time", "says"],
+                 [[f"`{row['mesh'].split('/')[-1]}`", wild_outcome(row), f"{row['seconds']:.0f} s",
+                   row["says"].replace("|", "/")] for row in rows])
+
+
+def judges_table(reports: dict) -> list[str]:
+    """Each judge: how many meshes it judged by its own rules, and where it disagrees."""
+    rows = reports.get("judges", {}).get("rows", [])
+    if not rows:
+        return [NOT_MEASURED]
+
+    def cells(judge: str) -> list[str]:
+        own = [row for row in rows if row["judge"] == judge and "judged" in row]
+        apart = [row for row in own if row["disagree"] > 0]
+        return [judge, str(len(own)), f"{sum(row['judged'] for row in own):,}",
+                str(sum(row["disagree"] for row in own)),
+                ", ".join(f"`{row['mesh']}` {row['disagree']}" for row in apart)]
+
+    judges = dict.fromkeys(row["judge"] for row in rows if "judged" in row)
+    return table(["judge", "meshes", "places", "disagrees", "at"], [cells(judge) for judge in judges])
+
+
 def wild_table(reports: dict, folder: str) -> list[str]:
     """Each mesh of a folder that people have, as an older program and this one took it."""
     if "wild" not in reports:
         return [NOT_MEASURED]
 
-    def outcome(row: dict) -> str:
-        if not row:
-            return ""
-        if row["build"] != 0:
-            return f"{row['build']}"
-        return "kept" if row["verify"] == 0 else f"0, then {row['verify']}"
-
     def cells(row: dict) -> list[str]:
         before = row["before"]
         return [f"`{row['mesh']}`", f"{row['triangles']:,}" if "triangles" in row else "",
-                outcome(before), f"{before['seconds']:.1f} s" if before else "", outcome(row),
+                wild_outcome(before), f"{before['seconds']:.1f} s" if before else "", wild_outcome(row),
                 f"{row['seconds']:.1f} s"]
 
     return table(["mesh", "triangles", "before", "processor time", "now", "processor time"],
@@ -449,7 +496,8 @@ TABLES = {
     "costs_table": costs_table,
     "culling_table": culling_table, "forces_table": forces_table,
     "failing_table": lambda reports: failing_lines(reports["stability"])[2:-1],
-    "default_table": default_table, "wild_table": wild_table,
+    "default_table": default_table, "wild_table": wild_table, "judges_table": judges_table,
+    "wild_packages": wild_packages, "wild_missed": wild_missed,
     "laboratory_table": laboratory_table, "made": made,
     "methods_table": methods_table,
     "probes_table": probes_table,
