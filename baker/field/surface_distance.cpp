@@ -17,17 +17,18 @@ namespace {
 
 using Corners = std::array<Vector3, 3>;
 
-/// So often a triangle is cut at most, and no more where its bound is that near to a distance.
-constexpr int most_cuts = 48;
+/// Into so many parts a triangle is cut at most, and no more where its bound is that near to a
+/// distance.
+constexpr int most_parts = 4000;
 constexpr double near_enough = 1.5;
 
 class Bound {
  public:
   Bound(const Caster& to, double enough) : to_(to), enough_(enough) {}
 
-  /// Of a part of a triangle, where so many cuts are left. The distance to one triangle is convex,
+  /// Of a part of a triangle, where so many parts are left. The distance to one triangle is convex,
   /// so that it is largest in a corner.
-  [[nodiscard]] double of(const Corners& part, bool sheet, int cuts) const {
+  [[nodiscard]] double of(const Corners& part, bool sheet, int& parts) const {
     const Vector3 middle = (part[0] + part[1] + part[2]) / 3;
     std::vector<std::pair<double, std::uint32_t>> near;
     for (const std::uint32_t triangle : around(middle, sheet)) {
@@ -47,10 +48,10 @@ class Bound {
     double radius = 0;
     for (const Vector3& corner : part) radius = std::max(radius, (corner - middle).norm());
     best = std::min(best, least + radius);
-    if (cuts == 0 || radius <= enough_) return best;
+    if (--parts < 0 || radius <= enough_) return best;
     double largest = 0;
     for (const Corners& smaller : beside(part, nearest)) {
-      largest = std::max(largest, of(smaller, sheet, cuts - 1));
+      largest = std::max(largest, of(smaller, sheet, parts));
     }
     return std::min(best, largest);
   }
@@ -126,8 +127,9 @@ double largest_distance(const OuterSurface& from, const Caster& to, double enoug
   std::vector<double> bounds(from.triangles.size());
   tbb::parallel_for(std::size_t{0}, bounds.size(), [&](std::size_t t) {
     const auto& [a, b, c] = from.triangles[t];
+    int parts = most_parts;
     bounds[t] = bound.of({from.vertices[a], from.vertices[b], from.vertices[c]},
-                         t >= from.solid_count, most_cuts);
+                         t >= from.solid_count, parts);
   });
   return bounds.empty() ? 0 : *std::max_element(bounds.begin(), bounds.end());
 }

@@ -10,6 +10,8 @@
 #include <algorithm>
 #include <array>
 #include <map>
+#include <set>
+#include <utility>
 
 #include "baker/mesh/triangle_height.hpp"
 
@@ -21,21 +23,6 @@ using Vertex = CGAL::Triangulation_vertex_base_with_info_2<std::uint32_t, Exact>
 using Face = CGAL::Constrained_triangulation_face_base_2<Exact>;
 using Triangulation = CGAL::Constrained_Delaunay_triangulation_2<
     Exact, CGAL::Triangulation_data_structure_2<Vertex, Face>, CGAL::Exact_intersections_tag>;
-
-/// The traces of other triangles on one: points and segments of its own plane, and segments as they
-/// are seen along its projection.
-struct Cuts {
-  std::vector<Exact::Point_3> points;
-  std::vector<std::pair<Exact::Point_3, Exact::Point_3>> segments;
-  std::vector<std::pair<Exact::Point_2, Exact::Point_2>> seen;
-};
-
-void add_outline(const std::vector<Exact::Point_3>& outline,
-                 std::vector<std::pair<Exact::Point_3, Exact::Point_3>>& segments) {
-  for (std::size_t i = 0; i < outline.size(); ++i) {
-    segments.emplace_back(outline[i], outline[(i + 1) % outline.size()]);
-  }
-}
 
 /// The nearest double, however the number was computed: the exact value is evaluated first.
 [[nodiscard]] double rounded(const Exact::FT& value) {
@@ -85,6 +72,22 @@ class Projection {
   Exact::FT slope_first_, slope_second_;
 };
 
+/// The traces of other triangles on one, as they are seen along its projection.
+struct Cuts {
+  explicit Cuts(const std::array<Exact::Point_3, 3>& corners)
+      : projection(corners), flat({down(corners[0]), down(corners[1]), down(corners[2])}) {}
+
+  [[nodiscard]] Exact::Point_2 down(const Exact::Point_3& point) const {
+    return projection.down(point);
+  }
+
+  Projection projection;
+  std::array<Exact::Point_2, 3> flat;  ///< the corners
+  std::vector<Exact::Point_2> points;
+  std::vector<std::pair<Exact::Point_2, Exact::Point_2>> segments;
+  std::set<std::pair<std::uint32_t, std::uint32_t>> sides;  ///< of others in its plane
+};
+
 class Splitter {
  public:
   Splitter(std::span<const Vector3> points, std::span<const Triangle> triangles)
@@ -92,42 +95,46 @@ class Splitter {
     mesh_.points.assign(points.begin(), points.end());
   }
 
-  /// Cuts the triangles of a pair along what they share, or the second alone.
+  /// Cuts the triangles of a pair along what they share, or the second alone. Those of one plane
+  /// are cut along each other's sides, of which neighbours have one in common.
   void intersect(const TrianglePair& pair, bool second_alone) {
-    // An Object, since CGAL 5 and 6 return variants of different libraries.
-    const CGAL::Object common = CGAL::intersection(triangle(pair.first), triangle(pair.second));
-    if (common.empty()) return;
-    Cuts cuts;
-    if (const auto* point = CGAL::object_cast<Exact::Point_3>(&common)) {
-      cuts.points.push_back(*point);
-    } else if (const auto* segment = CGAL::object_cast<Exact::Segment_3>(&common)) {
-      cuts.segments.emplace_back(segment->source(), segment->target());
-    } else if (const auto* face = CGAL::object_cast<Exact::Triangle_3>(&common)) {
-      add_outline({face->vertex(0), face->vertex(1), face->vertex(2)}, cuts.segments);
-    } else if (const auto* outline = CGAL::object_cast<std::vector<Exact::Point_3>>(&common)) {
-      add_outline(*outline, cuts.segments);
+    const auto [first, second] = pair;
+    if (in_one_plane(first, second)) {
+      if (!second_alone) cut_along_sides(first, second);
+      cut_along_sides(second, first);
+      return;
     }
-    for (const std::uint32_t side : {pair.first, pair.second}) {
-      if (second_alone && side == pair.first) continue;
-      Cuts& own = cuts_[side];
-      own.points.insert(own.points.end(), cuts.points.begin(), cuts.points.end());
-      own.segments.insert(own.segments.end(), cuts.segments.begin(), cuts.segments.end());
+    // An Object, since CGAL 5 and 6 return variants of different libraries.
+    const CGAL::Object common = CGAL::intersection(triangle(first), triangle(second));
+    for (const std::uint32_t side : {first, second}) {
+      if (second_alone && side == first) continue;
+      if (const auto* point = CGAL::object_cast<Exact::Point_3>(&common)) {
+        Cuts& own = cuts_of(side);
+        own.points.push_back(own.down(*point));
+      } else if (const auto* segment = CGAL::object_cast<Exact::Segment_3>(&common)) {
+        Cuts& own = cuts_of(side);
+        own.segments.emplace_back(own.down(segment->source()), own.down(segment->target()));
+      }
     }
   }
 
   /// Cuts a triangle along a segment, as seen along the axis that is closest to its normal. One
   /// that rounding left on a line is not cut.
-  void cut(std::uint32_t index, const std::array<Vector3, 2>& segment) {
-    const std::array<Exact::Point_3, 3> own = corners(index);
-    if (CGAL::collinear(own[0], own[1], own[2])) return;
-    const Projection projection(own);
-    const auto flat = [&](const Exact::Point_3& point) { return projection.down(point); };
-    const Exact::Segment_2 seen(flat(exact_point(segment[0])), flat(exact_point(segment[1])));
+  void cut(std::uint32_t index, const std::array<Vector3, 2>& segment, bool touching) {
+    if (!cuts_.contains(index)) {
+      const std::array<Exact::Point_3, 3> own = corners(index);
+      if (CGAL::collinear(own[0], own[1], own[2])) return;
+    }
+    Cuts& own = cuts_of(index);
+    const Exact::Segment_2 seen(own.down(exact_point(segment[0])),
+                                own.down(exact_point(segment[1])));
     if (seen.is_degenerate()) return;
     const CGAL::Object common =
-        CGAL::intersection(Exact::Triangle_2(flat(own[0]), flat(own[1]), flat(own[2])), seen);
+        CGAL::intersection(Exact::Triangle_2(own.flat[0], own.flat[1], own.flat[2]), seen);
     if (const auto* part = CGAL::object_cast<Exact::Segment_2>(&common)) {
-      cuts_[index].seen.emplace_back(part->source(), part->target());
+      own.segments.emplace_back(part->source(), part->target());
+    } else if (const auto* point = CGAL::object_cast<Exact::Point_2>(&common); touching && point) {
+      own.points.push_back(*point);
     }
   }
 
@@ -160,19 +167,37 @@ class Splitter {
     return {a, b, c};
   }
 
+  [[nodiscard]] bool in_one_plane(std::uint32_t first, std::uint32_t second) const {
+    const auto [a, b, c] = corners(first);
+    const std::array<Exact::Point_3, 3> other = corners(second);
+    return std::all_of(other.begin(), other.end(), [&, &a = a, &b = b, &c = c](const auto& corner) {
+      return CGAL::coplanar(a, b, c, corner);
+    });
+  }
+
+  Cuts& cuts_of(std::uint32_t index) {
+    const auto found = cuts_.find(index);
+    return found != cuts_.end() ? found->second
+                                : cuts_.emplace(index, Cuts(corners(index))).first->second;
+  }
+
+  void cut_along_sides(std::uint32_t index, std::uint32_t other) {
+    const Triangle& there = triangles_[other];
+    for (std::size_t k = 0; k < 3; ++k) {
+      const auto side = std::minmax(there[k], there[(k + 1) % 3]);
+      if (!cuts_of(index).sides.insert(side).second) continue;
+      cut(index, {points_[side.first], points_[side.second]}, true);
+    }
+  }
+
   void split(std::uint32_t index, const Cuts& cuts) {
-    const std::array<Exact::Point_3, 3> own = corners(index);
-    const Projection projection(own);
     Triangulation triangulation;
     std::array<Triangulation::Vertex_handle, 3> ends;
-    for (std::size_t k = 0; k < 3; ++k) ends[k] = triangulation.insert(projection.down(own[k]));
-    for (const Exact::Point_3& point : cuts.points) triangulation.insert(projection.down(point));
-    for (const auto& [from, to] : cuts.segments) {
-      triangulation.insert_constraint(projection.down(from), projection.down(to));
-    }
-    for (const auto& [from, to] : cuts.seen) triangulation.insert_constraint(from, to);
+    for (std::size_t k = 0; k < 3; ++k) ends[k] = triangulation.insert(cuts.flat[k]);
+    for (const Exact::Point_2& point : cuts.points) triangulation.insert(point);
+    for (const auto& [from, to] : cuts.segments) triangulation.insert_constraint(from, to);
     for (const auto vertex : triangulation.finite_vertex_handles()) {
-      vertex->info() = number(projection.up(vertex->point()));
+      vertex->info() = number(cuts.projection.up(vertex->point()));
     }
     // The corners keep their numbers, even where another vertex lies in the same place.
     for (std::size_t k = 0; k < 3; ++k) ends[k]->info() = triangles_[index][k];
@@ -224,7 +249,7 @@ SplitMesh split_triangles(std::span<const Vector3> points, std::span<const Trian
 SplitMesh cut_as_seen(std::span<const Vector3> points, std::span<const Triangle> triangles,
                       std::span<const SeenCut> cuts) {
   Splitter splitter(points, triangles);
-  for (const auto& [triangle, segment] : cuts) splitter.cut(triangle, segment);
+  for (const auto& [triangle, segment] : cuts) splitter.cut(triangle, segment, false);
   SplitMesh split = splitter.finish();
   std::size_t kept = 0;
   for (std::size_t piece = 0; piece < split.pieces.size(); ++piece) {

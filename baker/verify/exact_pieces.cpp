@@ -228,18 +228,45 @@ void keep(Sorted& sorted, const Corners& piece, Side side) {
   }
 }
 
+/// The longest way through a polygon.
+Segment longest_way(const Polygon& polygon) {
+  Segment longest{polygon[0], polygon[0]};
+  for (const Vector2& from : polygon) {
+    for (const Vector2& to : polygon) {
+      if ((to - from).norm() > (longest.second - longest.first).norm()) longest = {from, to};
+    }
+  }
+  return longest;
+}
+
 /// Of a polygon that is no higher than so much the unit vector across its longest way, else 0.
 Vector2 across_sliver(const Polygon& polygon, double height) {
-  Vector2 longest = Vector2::Zero();
+  const Segment ends = longest_way(polygon);
+  const Vector2 along = ends.second - ends.first;
   double twice_area = 0;
   for (std::size_t i = 0; i < polygon.size(); ++i) {
     twice_area += cross(polygon[i], polygon[(i + 1) % polygon.size()]);
-    for (const Vector2& other : polygon) {
-      if ((other - polygon[i]).norm() > longest.norm()) longest = other - polygon[i];
-    }
   }
-  if (twice_area > height * longest.norm()) return Vector2::Zero();
-  return Vector2(-longest.y(), longest.x()).normalized();
+  if (twice_area > height * along.norm()) return Vector2::Zero();
+  return Vector2(-along.y(), along.x()).normalized();
+}
+
+/// Places along a sliver, half a tolerance apart, between its longest way and its centre.
+std::vector<Vector2> places_along(const Polygon& polygon, const Vector2& centre, double narrow) {
+  constexpr double apart = 25, most = 64;  // in widths of a gap that is closed
+  const auto [from, to] = longest_way(polygon);
+  const Vector2 along = to - from;
+  const double middle = along.dot(centre - from) / along.squaredNorm();
+  const double count = std::floor(std::clamp(along.norm() / (apart * narrow), 1.0, most));
+  std::vector<Vector2> places;
+  for (double i = 0.5; i < count; ++i) {
+    const double share = i / count;
+    const Vector2 by_centre = share < middle
+                                  ? Vector2(from + share / middle * (centre - from))
+                                  : Vector2(to + (1 - share) / (1 - middle) * (centre - to));
+    places.emplace_back((from + share * along + by_centre) / 2);
+  }
+  return places;
 }
 
 bool is_hair(const Corners& t, double height) {
@@ -258,7 +285,16 @@ Sorted sort_pieces(const ExactWinding& winding, const Frame& frame,
     for (const Vector2& corner : polygon) centre += corner / static_cast<double>(polygon.size());
     const Vector2 flat = gaps ? across_sliver(polygon, scale.narrow) : Vector2::Zero();
     const Vector3 across = flat.x() * frame.u + flat.y() * frame.v;
-    const Side side = side_of(winding, frame.lifted(centre), frame, scale, kind, across);
+    Side side = side_of(winding, frame.lifted(centre), frame, scale, kind, across);
+    if (flat != Vector2::Zero() && !kind.sheet && side != Side::hidden) {
+      const std::vector<Vector2> places = places_along(polygon, centre, scale.narrow);
+      if (std::any_of(places.begin(), places.end(), [&](const Vector2& place) {
+            return side_of(winding, frame.lifted(place), frame, scale, kind, across) ==
+                   Side::hidden;
+          })) {
+        side = Side::hidden;
+      }
+    }
     for (std::size_t i = 2; i < polygon.size(); ++i) {
       const Corners piece{frame.lifted(polygon[0]), frame.lifted(polygon[i - 1]),
                           frame.lifted(polygon[i])};

@@ -12,6 +12,7 @@
 
 #include "baker/mesh/winding_number.hpp"
 #include "baker/surface/triangle_split.hpp"
+#include "baker/verify/exact_surface.hpp"
 #include "common/surface/closest_on_triangle.hpp"
 #include "tests/baker/mesh/mesh_support.hpp"
 #include "tests/support/random.hpp"
@@ -297,12 +298,16 @@ TEST_CASE("Of a closed gap its ends go as well") {
   CHECK(surface.hidden_area == Approx(2 * 0.24 + 2 * gap).epsilon(1e-3));
 }
 
-TEST_CASE("A sliver that lies half in a closed gap is gone in all of it") {
+TEST_CASE("A sliver that lies half in a closed gap is gone in all of it, and to verify too") {
   const Shape on_half = moved(box({1.2, 1.2, 1}), {-0.7, 0, 0.5 + 1.5e-6});
-  const OuterSurface surface =
-      baker::outer_surface(load_shape(merged(cube_with_sliver(), on_half)), 4e-6);
-  CHECK(distance_to(surface, {-0.6, 1e-6, 0}) > 0.39);
-  CHECK(distance_to(surface, {0.6, 1e-6, 0}) < 4e-6);
+  const baker::Mesh mesh = load_shape(merged(cube_with_sliver(), on_half));
+  const OuterSurface surface = baker::outer_surface(mesh, 4e-6);
+  const baker::ExactSurface exact(mesh, 0, 4e-6 / baker::narrow_share);
+  const Vector3 in_gap(-0.6, 1e-6, 0), beside(0.6, 1e-6, 0);
+  CHECK(distance_to(surface, in_gap) > 0.39);
+  CHECK(distance_to(surface, beside) < 4e-6);
+  CHECK((exact.closest(in_gap).position - in_gap).norm() > 0.39);
+  CHECK((exact.closest(beside).position - beside).norm() < 4e-6);
 }
 
 TEST_CASE("A wall stays a wall, however thin it is") {
