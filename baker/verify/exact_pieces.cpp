@@ -257,10 +257,10 @@ std::vector<Vector2> places_along(const Polygon& polygon, const Vector2& centre,
   const auto [from, to] = longest_way(polygon);
   const Vector2 along = to - from;
   const double middle = along.dot(centre - from) / along.squaredNorm();
-  const double count = std::floor(std::clamp(along.norm() / (apart * narrow), 1.0, most));
+  const auto count = static_cast<int>(std::clamp(along.norm() / (apart * narrow), 1.0, most));
   std::vector<Vector2> places;
-  for (double i = 0.5; i < count; ++i) {
-    const double share = i / count;
+  for (int i = 0; i < count; ++i) {
+    const double share = (i + 0.5) / count;
     const Vector2 by_centre = share < middle
                                   ? Vector2(from + share / middle * (centre - from))
                                   : Vector2(to + (1 - share) / (1 - middle) * (centre - to));
