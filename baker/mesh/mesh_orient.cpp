@@ -279,6 +279,7 @@ Counted turn_parts(std::span<const Vector3> points, std::span<const std::uint32_
   std::map<std::uint32_t, Patch> numbered;
   for (std::uint32_t t = 0; t < triangles.size(); ++t) numbered[parts[t]].triangles.push_back(t);
   std::vector<Patch> patches;
+  patches.reserve(numbered.size());
   for (auto& [number, patch] : numbered) patches.push_back(std::move(patch));
   Counted turned;
   Turner(points, triangles, patches).run(turned);
