@@ -4,6 +4,7 @@
 import os
 import platform
 import subprocess
+from pathlib import Path
 
 
 def machine_here() -> dict:
@@ -17,3 +18,10 @@ def machine_here() -> dict:
             # Without what the one who built it added to the version.
             "kernel": f"{platform.system()} {platform.release().split('-')[0]}",
             "compiler": "g++ " + compiler.strip(), "build": "Release"}
+
+
+def made_here(command: str) -> dict:
+    """Which program made a report by which command, and on what; for reports that scripts write."""
+    commit = subprocess.run(("git", "-C", Path(__file__).parent, "rev-parse", "--short=12", "HEAD"),
+                            check=True, capture_output=True, text=True).stdout.strip()
+    return {"commit": commit, "machine": machine_here(), "command": command}

@@ -112,9 +112,14 @@ def wild_outcome(row: dict) -> str:
     return "kept" if row["verify"] == 0 else f"0, then {row['verify']}"
 
 
+def wild_rows(reports: dict, folder: str) -> list[dict]:
+    """What became of the meshes of a folder; none where they were not tried."""
+    return [row for row in reports.get("wild", {}).get("rows", []) if row["folder"] == folder]
+
+
 def wild_packages(reports: dict, folder: str) -> list[str]:
     """The meshes of a folder of packages, a row a package."""
-    rows = [row for row in reports.get("wild", {}).get("rows", []) if row["folder"] == folder]
+    rows = wild_rows(reports, folder)
     if not rows:
         return [NOT_MEASURED]
 
@@ -133,11 +138,13 @@ def wild_packages(reports: dict, folder: str) -> list[str]:
 
 def wild_missed(reports: dict, folder: str) -> list[str]:
     """Those of them that are neither kept nor refused."""
-    rows = [row for row in reports.get("wild", {}).get("rows", [])
-            if row["folder"] == folder and row["build"] not in (2, 3) and wild_outcome(row) != "kept"]
+    rows = wild_rows(reports, folder)
+    if not rows:
+        return [NOT_MEASURED]
+    missed = [row for row in rows if row["build"] not in (2, 3) and wild_outcome(row) != "kept"]
     return table(["mesh", "outcome", "processor time", "says"],
                  [[f"`{row['mesh'].split('/')[-1]}`", wild_outcome(row), f"{row['seconds']:.0f} s",
-                   row["says"].replace("|", "/")] for row in rows])
+                   row["says"].replace("|", "/")] for row in missed])
 
 
 def judges_table(reports: dict) -> list[str]:
@@ -159,7 +166,8 @@ def judges_table(reports: dict) -> list[str]:
 
 def wild_table(reports: dict, folder: str) -> list[str]:
     """Each mesh of a folder that people have, as an older program and this one took it."""
-    if "wild" not in reports:
+    rows = wild_rows(reports, folder)
+    if not rows:
         return [NOT_MEASURED]
 
     def cells(row: dict) -> list[str]:
@@ -169,7 +177,7 @@ def wild_table(reports: dict, folder: str) -> list[str]:
                 f"{row['seconds']:.1f} s"]
 
     return table(["mesh", "triangles", "before", "processor time", "now", "processor time"],
-                 [cells(row) for row in reports["wild"]["rows"] if row["folder"] == folder])
+                 [cells(row) for row in rows])
 
 
 def bake_times_table(reports: dict) -> list[str]:
