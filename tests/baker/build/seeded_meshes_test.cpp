@@ -8,7 +8,6 @@
 #include <cstdint>
 #include <cstdlib>
 #include <iostream>
-#include <limits>
 #include <optional>
 #include <sstream>
 #include <string>
@@ -18,7 +17,6 @@
 #include "baker/build/build.hpp"
 #include "baker/verify/verify.hpp"
 #include "common/query/query.hpp"
-#include "common/surface/closest_on_triangle.hpp"
 #include "formats/asset/mapped_asset.hpp"
 #include "tests/baker/mesh/mesh_support.hpp"
 #include "tests/support/random.hpp"
@@ -178,16 +176,6 @@ std::optional<int> exact_winding(const test::Shape& shape, const Vector3& place)
   return winding;
 }
 
-double unsigned_distance(const test::Shape& shape, const Vector3& place) {
-  double least = std::numeric_limits<double>::infinity();
-  for (const auto& [a, b, c] : shape.triangles) {
-    least = std::min(least, (place - closest_on_triangle(place, shape.vertices[a],
-                                                         shape.vertices[b], shape.vertices[c]))
-                                .norm());
-  }
-  return least;
-}
-
 /// A place up to some millimetres beside the surface.
 Vector3 place_beside(test::RandomTwister& random, const test::Shape& shape) {
   const auto& [a, b, c] = shape.triangles[below(random, shape.triangles.size())];
@@ -207,7 +195,7 @@ std::string broken_promise(const SeededMesh& mesh, const AssetView& view, std::u
   for (int k = 0; k < places; ++k) {
     const Vector3 place = place_beside(random, mesh.solids);
     const std::optional<int> winding = exact_winding(mesh.solids, place);
-    const double away = unsigned_distance(mesh.solids, place);
+    const double away = test::distance_to(mesh.solids.vertices, mesh.solids.triangles, place);
     if (!winding || away < 1.01 * tolerance) continue;
     const Answer answer = query_point(view, place);
     const auto said = [&](const std::string& right) {

@@ -3,16 +3,19 @@
 
 #include <unistd.h>
 
+#include <algorithm>
 #include <cstdint>
 #include <cstdlib>
 #include <filesystem>
 #include <fstream>
+#include <limits>
 #include <string>
 #include <string_view>
 #include <vector>
 
 #include "baker/mesh/load.hpp"
 #include "baker/mesh/mesh.hpp"
+#include "common/surface/closest_on_triangle.hpp"
 #include "tests/support/shapes.hpp"
 
 namespace spm::test {
@@ -68,6 +71,18 @@ class TemporaryFolder {
     sum += (vertices[b] - vertices[a]).cross(vertices[c] - vertices[a]).norm() / 2;
   }
   return sum;
+}
+
+/// How far a place is from the nearest of some triangles.
+[[nodiscard]] inline double distance_to(const std::vector<Vector3>& vertices,
+                                        const std::vector<baker::Triangle>& triangles,
+                                        const Vector3& place) {
+  double least = std::numeric_limits<double>::infinity();
+  for (const auto& [a, b, c] : triangles) {
+    const Vector3 closest = closest_on_triangle(place, vertices[a], vertices[b], vertices[c]);
+    least = std::min(least, (closest - place).norm());
+  }
+  return least;
 }
 
 }  // namespace spm::test

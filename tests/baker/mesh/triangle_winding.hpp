@@ -4,6 +4,7 @@
 #include <cmath>
 #include <numbers>
 
+#include "baker/mesh/mesh.hpp"
 #include "common/base/vector.hpp"
 
 namespace spm::test {
@@ -18,6 +19,15 @@ namespace spm::test {
   const double x = length_a * length_b * length_c + to_a.dot(to_b) * length_c +
                    to_b.dot(to_c) * length_a + to_c.dot(to_a) * length_b;
   return std::atan2(to_a.dot(to_b.cross(to_c)), x) / (2 * std::numbers::pi);
+}
+
+/// The winding number of a mesh, by the sum over its triangles.
+[[nodiscard]] inline double summed_winding(const baker::Mesh& mesh, const Vector3& point) {
+  double sum = 0;
+  for (const auto& [a, b, c] : mesh.triangles) {
+    sum += triangle_winding(point, mesh.vertices[a], mesh.vertices[b], mesh.vertices[c]);
+  }
+  return sum;
 }
 
 }  // namespace spm::test

@@ -5,7 +5,6 @@
 #include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
-#include <limits>
 #include <map>
 #include <utility>
 #include <vector>
@@ -13,7 +12,6 @@
 #include "baker/mesh/winding_number.hpp"
 #include "baker/surface/triangle_split.hpp"
 #include "baker/verify/exact_surface.hpp"
-#include "common/surface/closest_on_triangle.hpp"
 #include "tests/baker/mesh/mesh_support.hpp"
 #include "tests/support/random.hpp"
 
@@ -60,17 +58,6 @@ using baker::WindingNumber;
   const Eigen::Matrix3d turn = Eigen::AngleAxisd(angle, axis.normalized()).toRotationMatrix();
   for (Vector3& vertex : shape.vertices) vertex = turn * vertex;
   return shape;
-}
-
-/// How far a place is from a surface.
-[[nodiscard]] double distance_to(const OuterSurface& surface, const Vector3& place) {
-  double least = std::numeric_limits<double>::infinity();
-  for (const auto& [a, b, c] : surface.triangles) {
-    const Vector3 closest =
-        closest_on_triangle(place, surface.vertices[a], surface.vertices[b], surface.vertices[c]);
-    least = std::min(least, (closest - place).norm());
-  }
-  return least;
 }
 
 /// A cube with edges of 2 under z = 0, whose top has a sliver from side to side that is tilted by
@@ -304,8 +291,8 @@ TEST_CASE("A sliver that lies half in a closed gap is gone in all of it, and to 
   const OuterSurface surface = baker::outer_surface(mesh, 4e-6);
   const baker::ExactSurface exact(mesh, 0, 4e-6 / baker::narrow_share);
   const Vector3 in_gap(-0.6, 1e-6, 0), beside(0.6, 1e-6, 0);
-  CHECK(distance_to(surface, in_gap) > 0.39);
-  CHECK(distance_to(surface, beside) < 4e-6);
+  CHECK(distance_to(surface.vertices, surface.triangles, in_gap) > 0.39);
+  CHECK(distance_to(surface.vertices, surface.triangles, beside) < 4e-6);
   CHECK((exact.closest(in_gap).position - in_gap).norm() > 0.39);
   CHECK((exact.closest(beside).position - beside).norm() < 4e-6);
 }
