@@ -10,6 +10,7 @@
 #include <utility>
 #include <vector>
 
+#include "baker/mesh/triangle_height.hpp"
 #include "common/surface/closest_on_triangle.hpp"
 
 namespace spm::baker {
@@ -70,10 +71,7 @@ class Bound {
       if (*low < -enough_ / 2 && *high > enough_ / 2) return cut(part, in);
     }
     std::array<double, 3> along{};
-    std::size_t longest = 0;
-    for (std::size_t k = 0; k < 3; ++k) {
-      if (length(part, k) > length(part, longest)) longest = k;
-    }
+    const std::size_t longest = which_longest_side(part);
     along[longest] = -1;
     along[(longest + 1) % 3] = 1;
     return cut(part, along);
@@ -96,9 +94,6 @@ class Bound {
       }
     }
     return pieces;
-  }
-  [[nodiscard]] static double length(const Corners& part, std::size_t k) {
-    return (part[(k + 1) % 3] - part[k]).norm();
   }
   [[nodiscard]] double distance(const Vector3& place, std::uint32_t triangle) const {
     return (closest_on_triangle(place, to_.corner(triangle, 0), to_.corner(triangle, 1),

@@ -114,11 +114,7 @@ class Gaps {
 
   /// The same corners in the same order, from where the longest side begins.
   [[nodiscard]] static std::array<Vector3, 3> from_longest_side(std::array<Vector3, 3> t) {
-    const std::array<double, 3> lengths{(t[1] - t[0]).norm(), (t[2] - t[1]).norm(),
-                                        (t[0] - t[2]).norm()};
-    std::rotate(t.begin(),
-                t.begin() + (std::max_element(lengths.begin(), lengths.end()) - lengths.begin()),
-                t.end());
+    std::rotate(t.begin(), t.begin() + static_cast<std::ptrdiff_t>(which_longest_side(t)), t.end());
     return t;
   }
 

@@ -118,8 +118,9 @@ class Splitter {
     }
   }
 
-  /// Cuts a triangle along a segment, as seen along the axis that is closest to its normal. One
-  /// that rounding left on a line is not cut.
+  /// Cuts a triangle along a segment, as seen along the axis that is closest to its normal, and
+  /// where `touching` also at the one point that they share. A triangle that rounding left on a
+  /// line is not cut.
   void cut(std::uint32_t index, const std::array<Vector3, 2>& segment, bool touching) {
     if (!cuts_.contains(index)) {
       const std::array<Exact::Point_3, 3> own = corners(index);

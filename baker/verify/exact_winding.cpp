@@ -34,7 +34,7 @@ CGAL::Orientation passed(const Point& from, const Point& to, const Kernel::Trian
 struct ExactWinding::Implementation {
   Triangles triangles;
   CgalTree<Kernel, TrianglePrimitive<Kernel, Triangles::const_iterator>> tree;
-  std::array<Point, 6> outside;  ///< where ways lead, in general directions
+  std::array<Vector3, 6> outside;  ///< where ways lead, in general directions
 
   explicit Implementation(const Mesh& mesh) {
     for (std::size_t i = 0; i < mesh.solid_triangles(); ++i) {
@@ -49,7 +49,7 @@ struct ExactWinding::Implementation {
     for (std::size_t k = 0; k < outside.size(); ++k) {
       Vector3 way(0.0371, -0.0613, 0.0289);
       way[static_cast<int>(k / 2)] = k % 2 == 0 ? 1 : -1;
-      outside[k] = to_cgal(middle + 2 * mesh.diagonal * way);
+      outside[k] = middle + 2 * mesh.diagonal * way;
     }
   }
 
@@ -76,14 +76,15 @@ int ExactWinding::at(const Vector3& point) const {
   const Implementation& self = *implementation_;
   if (self.triangles.empty()) return 0;
   const Point from = to_cgal(point);
-  std::array<Point, 6> ends = self.outside;
-  std::sort(ends.begin(), ends.end(), [&](const Point& one, const Point& other) {
-    return CGAL::has_smaller_distance_to_point(from, one, other);
+  // The shortest way first.
+  std::array<Vector3, 6> ends = self.outside;
+  std::sort(ends.begin(), ends.end(), [&](const Vector3& one, const Vector3& other) {
+    return (one - point).squaredNorm() < (other - point).squaredNorm();
   });
-  for (const Point& to : ends) {
-    if (const std::optional<int> winding = self.turns(from, to, false)) return *winding;
+  for (const Vector3& to : ends) {
+    if (const auto winding = self.turns(from, to_cgal(to), false)) return *winding;
   }
-  return *self.turns(from, ends[0], true);
+  return *self.turns(from, to_cgal(ends[0]), true);
 }
 
 }  // namespace spm::baker

@@ -17,7 +17,7 @@ class ExactWinding {
   ExactWinding(const ExactWinding&) = delete;
   ExactWinding& operator=(const ExactWinding&) = delete;
 
-  /// A point on the surface takes the value behind it. Thread-safe.
+  /// A point on the surface takes the value of one of its sides. Thread-safe.
   [[nodiscard]] int at(const Vector3& point) const;
 
  private:
