@@ -29,9 +29,11 @@ constexpr double surface_share = 1e-7;
 /// A ray that grazes a triangle more flatly than this keeps Embree's own distance.
 constexpr double grazing_cosine = 1e-6;
 /// A ray that tells the side starts this share of the diagonal before the place, and tells nothing
-/// where a crossing is nearer than half of it, or flatter than the cosine.
+/// where a crossing is nearer than half of it, flatter than the cosine, or no farther from a side
+/// of its triangle than rounding may hide the next one, as a share of the diagonal.
 constexpr double ray_lift_share = 1e-5;
 constexpr double flat_cosine = 1e-3;
+constexpr double side_share = 1e-6;
 
 struct HitCollector {
   RayContext context;
@@ -97,6 +99,17 @@ struct Caster::Implementation {
     rtcCommitGeometry(geometry);
     rtcAttachGeometry(scene, geometry);
     rtcReleaseGeometry(geometry);
+  }
+
+  /// Whether a place on a triangle is next to one of its sides.
+  [[nodiscard]] bool is_at_side(std::uint32_t triangle, const Vector3& place) const {
+    for (std::size_t k = 0; k < 3; ++k) {
+      const Vector3& from = corners[triangle][k];
+      const Vector3 along = corners[triangle][(k + 1) % 3] - from;
+      const double twice_area = normals[triangle].dot(along.cross(place - from));
+      if (twice_area < side_share * diagonal * along.norm()) return true;
+    }
+    return false;
   }
 
   void collect(const Vector3& origin, const Vector3& direction, double lift,
@@ -394,7 +407,8 @@ std::optional<bool> Caster::side_by_ray(const Vector3& point, const Vector3& dir
     // From the last on, which must be an exit, exits and entries take turns.
     const bool entry = (crossings.size() - i) % 2 == 0;
     if (crossings[i].entry != entry || crossings[i].depth < lift / 2 ||
-        std::abs(self.normals[crossings[i].triangle].dot(direction)) < flat_cosine) {
+        std::abs(self.normals[crossings[i].triangle].dot(direction)) < flat_cosine ||
+        self.is_at_side(crossings[i].triangle, point + crossings[i].depth * direction)) {
       return std::nullopt;
     }
   }
