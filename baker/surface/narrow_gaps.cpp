@@ -25,19 +25,21 @@ constexpr double sliver_spacing = 25, most_of_sliver = 64;
 
 class Gaps {
  public:
-  Gaps(const Mesh& mesh, std::span<const TrianglePair> facing, double narrow,
-       const WindingNumber& winding)
+  Gaps(const Mesh& mesh, std::span<const TrianglePair> facing,
+       std::span<const std::uint32_t> planes, double narrow, const WindingNumber& winding)
       : mesh_(mesh), narrow_(narrow), winding_(winding) {
     // Both ways round; sheets face nobody.
     std::vector<CubeBins::Member> members;
     for (const auto& [one, other] : facing) {
-      members.emplace_back(other, one);
-      if (other < mesh.solid_triangles()) members.emplace_back(one, other);
+      members.emplace_back(planes[other], one);
+      if (other < mesh.solid_triangles()) members.emplace_back(planes[one], other);
     }
+    std::sort(members.begin(), members.end());
+    members.erase(std::unique(members.begin(), members.end()), members.end());
     facing_ = CubeBins(mesh.triangles.size(), members);
   }
 
-  /// Those that face a triangle of the mesh.
+  /// Those that face a triangle of the mesh, or others that it was cut with.
   [[nodiscard]] std::span<const std::uint32_t> facing(std::uint32_t triangle) const {
     return facing_.of(triangle, triangle);
   }
@@ -141,10 +143,11 @@ class Gaps {
 
 }  // namespace
 
-Felt without_narrow_gaps(const Mesh& mesh, std::span<const TrianglePair> facing, double narrow,
+Felt without_narrow_gaps(const Mesh& mesh, std::span<const TrianglePair> facing,
+                         std::span<const std::uint32_t> planes, double narrow,
                          const WindingNumber& winding, std::vector<Vector3>& points,
                          const std::vector<LooseTriangle>& triangles) {
-  const Gaps gaps(mesh, facing, narrow, winding);
+  const Gaps gaps(mesh, facing, planes, narrow, winding);
   std::vector<Triangle> whole;
   std::vector<SeenCut> cuts;
   std::vector<std::array<Vector3, 2>> outline;

@@ -21,11 +21,12 @@ struct Felt {
 
 /// Takes away what of the boundary of solids bounds gaps that are too narrow to count, where
 /// triangles face each other within `narrow`, m, and what of sheets lies in solids, on them or in
-/// such gaps. `triangles` are pieces of the mesh's and know their parents; cuts add `points`.
-/// `winding`: of the solids' boundary, as it was. What is left is cut no more than needed.
+/// such gaps. `triangles` are pieces of the mesh's and have the first of those that theirs was cut
+/// with in its plane for a parent, by `planes`; cuts add `points`. `winding`: of the solids'
+/// boundary, as it was. What is left is cut no more than needed.
 [[nodiscard]] Felt without_narrow_gaps(const Mesh& mesh, std::span<const TrianglePair> facing,
-                                       double narrow, const WindingNumber& winding,
-                                       std::vector<Vector3>& points,
+                                       std::span<const std::uint32_t> planes, double narrow,
+                                       const WindingNumber& winding, std::vector<Vector3>& points,
                                        const std::vector<LooseTriangle>& triangles);
 
 }  // namespace spm::baker

@@ -28,17 +28,18 @@ constexpr double hair = 1e-7;
 [[nodiscard]] std::vector<LooseTriangle> bounding_pieces(const Mesh& mesh, const SplitMesh& split,
                                                          OuterSurface& surface) {
   const auto solids = static_cast<std::size_t>(
-      std::lower_bound(split.parents.begin(), split.parents.end(), mesh.solid_triangles()) -
-      split.parents.begin());
+      std::count_if(split.parents.begin(), split.parents.end(),
+                    [&](std::uint32_t parent) { return parent < mesh.solid_triangles(); }));
   const WindingNumber winding(mesh.vertices,
                               std::span(mesh.triangles).first(mesh.solid_triangles()));
   const std::vector<PieceWinding> sides = winding_of_pieces(split, solids, winding, mesh.diagonal);
   std::vector<LooseTriangle> loose;
   for (std::size_t piece = 0; piece < split.pieces.size(); ++piece) {
-    LooseTriangle one{split.pieces[piece], piece >= solids, false, split.parents[piece]};
+    const std::uint32_t parent = split.planes[split.parents[piece]];
+    LooseTriangle one{split.pieces[piece], piece >= solids, false, parent};
     if (!one.sheet) {
       const PieceWinding& here = sides[piece];
-      if ((here.front > 0) == (here.back > 0) || here.repeated) {
+      if ((here.front > 0) == (here.back > 0)) {
         ++surface.hidden;
         const auto& [a, b, c] = one.corners;
         surface.hidden_area += triangle_area(split.points[a], split.points[b], split.points[c]);
@@ -91,13 +92,14 @@ void compact(std::vector<Vector3>& vertices, std::vector<Triangle>& triangles) {
 
 /// Closes narrow gaps. Where what is left does not close, nor will on a lattice, the solids'
 /// boundary as it was tells sides: beside triangles at open sides and those that others face.
-void close_gaps(const Mesh& mesh, std::span<const TrianglePair> facing, double narrow,
-                OuterSurface& surface, std::vector<LooseTriangle>& loose) {
+void close_gaps(const Mesh& mesh, std::span<const TrianglePair> facing,
+                std::span<const std::uint32_t> planes, double narrow, OuterSurface& surface,
+                std::vector<LooseTriangle>& loose) {
   auto sides = std::make_shared<ClosedSurfaces>();
   sides->vertices = surface.vertices;
   sides->triangles = solids_among(loose);
   const WindingNumber winding(sides->vertices, sides->triangles);
-  Felt left = without_narrow_gaps(mesh, facing, narrow, winding, surface.vertices, loose);
+  Felt left = without_narrow_gaps(mesh, facing, planes, narrow, winding, surface.vertices, loose);
   surface.hidden += left.hidden;
   surface.hidden_area += left.hidden_area;
   loose = std::move(left.triangles);
@@ -111,7 +113,7 @@ void close_gaps(const Mesh& mesh, std::span<const TrianglePair> facing, double n
   });
   const std::vector<char> open = open_vertices(surface.vertices.size(), solids_among(loose));
   std::vector<char> faced(mesh.triangles.size(), 0);
-  for (const auto& [one, other] : facing) faced[one] = faced[other] = 1;
+  for (const auto& [one, other] : facing) faced[planes[one]] = faced[planes[other]] = 1;
   for (const LooseTriangle& one : loose) {
     if (one.sheet) continue;
     const bool at_open = std::any_of(one.corners.begin(), one.corners.end(),
@@ -144,7 +146,7 @@ OuterSurface outer_surface(const Mesh& mesh, double narrow) {
   std::vector<LooseTriangle> loose = bounding_pieces(mesh, split, surface);
   (void)remove_slivers(surface.vertices, hair * mesh.diagonal, loose);
   if (!pairs.facing.empty() || mesh.solid_triangles() < mesh.triangles.size()) {
-    close_gaps(mesh, pairs.facing, narrow, surface, loose);
+    close_gaps(mesh, pairs.facing, split.planes, narrow, surface, loose);
   }
   for (const LooseTriangle& one : loose) {
     surface.triangles.push_back(one.corners);

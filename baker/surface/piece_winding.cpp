@@ -34,72 +34,29 @@ class Cells {
       : split_(split),
         pieces_(split.pieces.begin(), split.pieces.begin() + static_cast<std::ptrdiff_t>(count)),
         sides_(2 * count),
-        patches_(count),
         parts_(count) {
     for_each_edge(sorted_edges(pieces_), [&](std::span<const HalfEdge> users) { join(users); });
-    jumps_.assign(count, 1);
-    repeated_.assign(count, 0);
-    for (const Stacked& one : stacked_) {
-      const std::uint32_t patch = patches_.of(one.piece);
-      jumps_[patch] = one.jump;
-      repeated_[patch] = one.repeated ? 1 : 0;
-    }
   }
 
   [[nodiscard]] std::uint32_t cell(std::uint32_t side) { return sides_.of(side); }
   [[nodiscard]] std::uint32_t part(std::uint32_t piece) { return parts_.of(piece); }
   /// How much more the winding number is behind a piece.
-  [[nodiscard]] int jump(std::uint32_t piece) { return jumps_[patches_.of(piece)]; }
-  [[nodiscard]] bool repeated(std::uint32_t piece) { return repeated_[patches_.of(piece)] != 0; }
+  [[nodiscard]] int jump(std::uint32_t piece) const {
+    return static_cast<int>(split_.jumps[piece]);
+  }
 
  private:
-  /// A piece that lies on others.
-  struct Stacked {
-    std::uint32_t piece;
-    int jump;
-    bool repeated;
-  };
-
   void join(std::span<const HalfEdge> users) {
     for (const HalfEdge& user : users.subspan(1)) parts_.join(users[0].triangle, user.triangle);
     if (users.size() == 2 && users[0].forward != users[1].forward && !may_lie_on(users)) {
       sides_.join(front(users[0].triangle), front(users[1].triangle));
       sides_.join(back(users[0].triangle), back(users[1].triangle));
-      patches_.join(users[0].triangle, users[1].triangle);
       return;
     }
-    std::vector<FanLeaf> fan = triangle_fan(
+    const std::vector<FanLeaf> fan = triangle_fan(
         pieces_, users, [&](std::uint32_t vertex) { return split_.exact_place(vertex); });
-    // Those that lie on each other, one after the other.
-    std::vector<std::span<const FanLeaf>> stacks;
-    for (std::size_t begin = 0; begin < fan.size();) {
-      std::size_t end = begin + 1;
-      while (end < fan.size() && fan[end].on_last) ++end;
-      stacks.push_back(std::span(fan).subspan(begin, end - begin));
-      begin = end;
-    }
-    for (std::size_t i = 0; i < stacks.size(); ++i) {
-      const auto here = stacks[i], next = stacks[(i + 1) % stacks.size()];
-      const std::uint32_t side = ahead(here[0].user);
-      for (const FanLeaf& leaf : here) sides_.join(side, ahead(leaf.user));
-      for (const FanLeaf& leaf : next) sides_.join(side, behind(leaf.user));
-      if (here.size() > 1) add_stack(here);
-    }
-  }
-
-  void add_stack(std::span<const FanLeaf> leaves) {
-    int sum = 0;
-    for (const FanLeaf& leaf : leaves) sum += leaf.user.forward ? 1 : -1;
-    std::optional<std::uint32_t> first;  // of those that face as their sum does
-    for (const FanLeaf& leaf : leaves) {
-      if (leaf.user.forward != (sum > 0)) continue;
-      if (!first || split_.parents[leaf.user.triangle] < split_.parents[*first]) {
-        first = leaf.user.triangle;
-      }
-    }
-    for (const FanLeaf& leaf : leaves) {
-      const std::uint32_t piece = leaf.user.triangle;
-      stacked_.push_back({piece, leaf.user.forward ? sum : -sum, piece != first});
+    for (std::size_t i = 0; i < fan.size(); ++i) {
+      sides_.join(ahead(fan[i].user), behind(fan[(i + 1) % fan.size()].user));
     }
   }
 
@@ -120,12 +77,8 @@ class Cells {
 
   const SplitMesh& split_;
   std::vector<Triangle> pieces_;
-  Groups sides_;    ///< of pieces, by cell
-  Groups patches_;  ///< of pieces between edges where more than two meet
-  Groups parts_;    ///< of pieces that hang together by edges
-  std::vector<Stacked> stacked_;
-  std::vector<int> jumps_;  ///< by patch
-  std::vector<char> repeated_;
+  Groups sides_;  ///< of pieces, by cell
+  Groups parts_;  ///< of pieces that hang together by edges
 };
 
 /// The largest pieces of each part, part by part.
@@ -207,7 +160,7 @@ std::vector<PieceWinding> winding_of_pieces(const SplitMesh& split, std::size_t 
     for (; begin < end; ++begin) {
       const std::uint32_t piece = order[begin];
       sides[piece] = {base + *levels[cells.cell(front(piece))],
-                      base + *levels[cells.cell(back(piece))], cells.repeated(piece)};
+                      base + *levels[cells.cell(back(piece))]};
     }
   }
   return sides;

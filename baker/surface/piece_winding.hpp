@@ -13,7 +13,6 @@ namespace spm::baker {
 struct PieceWinding {
   int front = 0;  ///< where its normal points to
   int back = 0;
-  bool repeated = false;  ///< another piece of the same place stands for it
 };
 
 /// Of the first `count` pieces, which are closed: from each piece to those at its edges, by exact

@@ -5,14 +5,19 @@
 #define CGAL_NO_CDT_2_WARNING
 #include <CGAL/Constrained_Delaunay_triangulation_2.h>
 #include <CGAL/Constrained_triangulation_face_base_2.h>
+#include <CGAL/Triangulation_face_base_with_info_2.h>
 #include <CGAL/Triangulation_vertex_base_with_info_2.h>
 
 #include <algorithm>
 #include <array>
+#include <cstdlib>
 #include <map>
+#include <optional>
 #include <set>
 #include <utility>
 
+#include "baker/base/groups.hpp"
+#include "baker/mesh/mesh_edges.hpp"
 #include "baker/mesh/triangle_height.hpp"
 
 namespace spm::baker {
@@ -20,7 +25,8 @@ namespace {
 
 using Exact = ExactKernel;
 using Vertex = CGAL::Triangulation_vertex_base_with_info_2<std::uint32_t, Exact>;
-using Face = CGAL::Constrained_triangulation_face_base_2<Exact>;
+using Face = CGAL::Constrained_triangulation_face_base_2<
+    Exact, CGAL::Triangulation_face_base_with_info_2<int, Exact>>;
 using Triangulation = CGAL::Constrained_Delaunay_triangulation_2<
     Exact, CGAL::Triangulation_data_structure_2<Vertex, Face>, CGAL::Exact_intersections_tag>;
 
@@ -72,7 +78,10 @@ class Projection {
   Exact::FT slope_first_, slope_second_;
 };
 
-/// The traces of other triangles on one, as they are seen along its projection.
+using Sides = std::set<std::pair<std::uint32_t, std::uint32_t>>;
+
+/// The traces of other triangles on one, or on some of one plane, as they are seen along the
+/// projection of the first.
 struct Cuts {
   explicit Cuts(const std::array<Exact::Point_3, 3>& corners)
       : projection(corners), flat({down(corners[0]), down(corners[1]), down(corners[2])}) {}
@@ -82,38 +91,51 @@ struct Cuts {
   }
 
   Projection projection;
-  std::array<Exact::Point_2, 3> flat;  ///< the corners
+  std::array<Exact::Point_2, 3> flat;  ///< the first one's corners
   std::vector<Exact::Point_2> points;
   std::vector<std::pair<Exact::Point_2, Exact::Point_2>> segments;
-  std::set<std::pair<std::uint32_t, std::uint32_t>> sides;  ///< of others in its plane
+  Sides sides;  ///< of others in its plane, for sheets
+};
+
+/// A triangle of some that lie on each other, as it is seen along their projection.
+struct Member {
+  std::uint32_t triangle;
+  std::array<Exact::Point_2, 3> corners;
+  CGAL::Orientation turn;
+  CGAL::Bbox_2 box;
+
+  [[nodiscard]] bool covers(const Exact::Point_2& place) const {
+    return CGAL::do_overlap(box, place.bbox()) &&
+           CGAL::orientation(corners[0], corners[1], place) == turn &&
+           CGAL::orientation(corners[1], corners[2], place) == turn &&
+           CGAL::orientation(corners[2], corners[0], place) == turn;
+  }
 };
 
 class Splitter {
  public:
-  Splitter(std::span<const Vector3> points, std::span<const Triangle> triangles)
-      : points_(points), triangles_(triangles) {
+  Splitter(std::span<const Vector3> points, std::span<const Triangle> triangles, std::size_t solids)
+      : points_(points), triangles_(triangles), solids_(solids), planes_(triangles.size()) {
     mesh_.points.assign(points.begin(), points.end());
   }
 
-  /// Cuts the triangles of a pair along what they share, or the second alone. Those of one plane
-  /// are cut along each other's sides, of which neighbours have one in common.
-  void intersect(const TrianglePair& pair, bool second_alone) {
-    const auto [first, second] = pair;
-    if (in_one_plane(first, second)) {
-      if (!second_alone) cut_along_sides(first, second);
-      cut_along_sides(second, first);
-      return;
+  /// Cuts the triangles of pairs along what they share; of a solid and a sheet, the sheet alone.
+  /// Solids of one plane are cut as one.
+  void intersect(std::span<const TrianglePair> pairs) {
+    std::vector<char> flat(pairs.size(), 0);
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+      const auto [first, second] = pairs[i];
+      if (!in_one_plane(first, second)) continue;
+      flat[i] = 1;
+      if (second < solids_) planes_.join(first, second);
     }
-    // An Object, since CGAL 5 and 6 return variants of different libraries.
-    const CGAL::Object common = CGAL::intersection(triangle(first), triangle(second));
-    for (const std::uint32_t side : {first, second}) {
-      if (second_alone && side == first) continue;
-      if (const auto* point = CGAL::object_cast<Exact::Point_3>(&common)) {
-        Cuts& own = cuts_of(side);
-        own.points.push_back(own.down(*point));
-      } else if (const auto* segment = CGAL::object_cast<Exact::Segment_3>(&common)) {
-        Cuts& own = cuts_of(side);
-        own.segments.emplace_back(own.down(segment->source()), own.down(segment->target()));
+    gather_members();
+    for (std::size_t i = 0; i < pairs.size(); ++i) {
+      const auto [first, second] = pairs[i];
+      if (flat[i] == 0) {
+        cut_along_trace(first, second);
+      } else if (second >= solids_) {
+        cut_along_sides(second, first);
       }
     }
   }
@@ -145,11 +167,12 @@ class Splitter {
       numbers_[key(points_[i])].push_back(i);
     }
     for (std::uint32_t i = 0; i < triangles_.size(); ++i) {
+      mesh_.planes.push_back(planes_.of(i));
       const auto cuts = cuts_.find(i);
-      if (cuts == cuts_.end()) {
-        add_piece(triangles_[i], i);
-      } else {
+      if (cuts != cuts_.end()) {
         split(i, cuts->second);
+      } else if (mesh_.planes.back() == i) {
+        add_piece(triangles_[i], i, 1);
       }
     }
     return std::move(mesh_);
@@ -177,9 +200,59 @@ class Splitter {
   }
 
   Cuts& cuts_of(std::uint32_t index) {
-    const auto found = cuts_.find(index);
+    const std::uint32_t first = planes_.of(index);
+    const auto found = cuts_.find(first);
     return found != cuts_.end() ? found->second
-                                : cuts_.emplace(index, Cuts(corners(index))).first->second;
+                                : cuts_.emplace(first, Cuts(corners(first))).first->second;
+  }
+
+  /// Finds the triangles that are cut as one, and the sides between those.
+  void gather_members() {
+    for (std::uint32_t i = 0; i < solids_; ++i) {
+      const std::uint32_t first = planes_.of(i);
+      if (first == i) continue;
+      std::vector<std::uint32_t>& members = members_[first];
+      if (members.empty()) members.push_back(first);
+      members.push_back(i);
+      (void)cuts_of(i);
+    }
+    if (members_.empty()) return;
+    const std::vector<Triangle> all(triangles_.begin(), triangles_.end());
+    for_each_edge(sorted_edges(all), [&](std::span<const HalfEdge> users) {
+      if (users.size() != 2 || users[0].forward == users[1].forward ||
+          planes_.of(users[0].triangle) != planes_.of(users[1].triangle)) {
+        return;
+      }
+      std::array<Exact::Point_3, 2> tips;
+      for (std::size_t i = 0; i < 2; ++i) {
+        for (const std::uint32_t corner : triangles_[users[i].triangle]) {
+          if (corner != users[i].low && corner != users[i].high) {
+            tips[i] = exact_point(points_[corner]);
+          }
+        }
+      }
+      const auto low = exact_point(points_[users[0].low]);
+      const auto high = exact_point(points_[users[0].high]);
+      if (CGAL::coplanar_orientation(low, high, tips[0], tips[1]) == CGAL::NEGATIVE) {
+        inner_.emplace(users[0].low, users[0].high);
+      }
+    });
+  }
+
+  /// Cuts two triangles that are not in one plane along what they share, of a sheet alone.
+  void cut_along_trace(std::uint32_t first, std::uint32_t second) {
+    // An Object, since CGAL 5 and 6 return variants of different libraries.
+    const CGAL::Object common = CGAL::intersection(triangle(first), triangle(second));
+    for (const std::uint32_t side : {first, second}) {
+      if (second >= solids_ && side == first) continue;
+      if (const auto* point = CGAL::object_cast<Exact::Point_3>(&common)) {
+        Cuts& own = cuts_of(side);
+        own.points.push_back(own.down(*point));
+      } else if (const auto* segment = CGAL::object_cast<Exact::Segment_3>(&common)) {
+        Cuts& own = cuts_of(side);
+        own.segments.emplace_back(own.down(segment->source()), own.down(segment->target()));
+      }
+    }
   }
 
   void cut_along_sides(std::uint32_t index, std::uint32_t other) {
@@ -192,20 +265,111 @@ class Splitter {
   }
 
   void split(std::uint32_t index, const Cuts& cuts) {
+    const auto found = members_.find(index);
+    const std::vector<std::uint32_t> alone{index};
+    const std::vector<std::uint32_t>& indices = found == members_.end() ? alone : found->second;
+    std::vector<Member> members;
     Triangulation triangulation;
-    std::array<Triangulation::Vertex_handle, 3> ends;
-    for (std::size_t k = 0; k < 3; ++k) ends[k] = triangulation.insert(cuts.flat[k]);
+    std::vector<std::pair<Triangulation::Vertex_handle, std::uint32_t>> ends;
+    for (const std::uint32_t member : indices) {
+      const std::array<Exact::Point_2, 3> flat = seen(member, cuts);
+      members.push_back({member, flat, CGAL::orientation(flat[0], flat[1], flat[2]),
+                         flat[0].bbox() + flat[1].bbox() + flat[2].bbox()});
+      for (std::size_t k = 0; k < 3; ++k) {
+        ends.emplace_back(triangulation.insert(flat[k]), triangles_[member][k]);
+      }
+    }
     for (const Exact::Point_2& point : cuts.points) triangulation.insert(point);
     for (const auto& [from, to] : cuts.segments) triangulation.insert_constraint(from, to);
+    if (members.size() > 1) add_outlines(triangulation, ends);
     for (const auto vertex : triangulation.finite_vertex_handles()) {
       vertex->info() = number(cuts.projection.up(vertex->point()));
     }
     // The corners keep their numbers, even where another vertex lies in the same place.
-    for (std::size_t k = 0; k < 3; ++k) ends[k]->info() = triangles_[index][k];
+    for (const auto& [vertex, corner] : ends) vertex->info() = corner;
+    if (members.size() > 1) {
+      for (const Member& member : members) mesh_.split.add(1, triangles_[member.triangle][0]);
+      add_stacked(triangulation, members);
+      return;
+    }
     if (triangulation.number_of_faces() > 1) mesh_.split.add(1, triangles_[index][0]);
     for (const auto face : triangulation.finite_face_handles()) {
-      add_piece({face->vertex(0)->info(), face->vertex(1)->info(), face->vertex(2)->info()}, index);
+      add_piece(numbers_at(face), index, 1);
     }
+  }
+
+  /// The sides of triangles that are cut as one, but for those between two of them. `ends` are
+  /// their corners, three by three.
+  void add_outlines(
+      Triangulation& triangulation,
+      const std::vector<std::pair<Triangulation::Vertex_handle, std::uint32_t>>& ends) {
+    Sides sides;
+    for (std::size_t i = 0; i < ends.size(); ++i) {
+      const auto& [from, low] = ends[i];
+      const auto& [to, high] = ends[i % 3 == 2 ? i - 2 : i + 1];
+      const auto side = std::minmax(low, high);
+      if (inner_.contains(side) || !sides.insert(side).second) continue;
+      if (from != to) triangulation.insert_constraint(from, to);
+    }
+  }
+
+  /// The pieces of triangles that lie on each other. Between cuts the same triangles lie on each
+  /// other everywhere, or those beside them.
+  void add_stacked(Triangulation& triangulation, const std::vector<Member>& members) {
+    for (const auto face : triangulation.finite_face_handles()) face->info() = 0;
+    for (const auto start : triangulation.finite_face_handles()) {
+      if (start->info() != 0) continue;
+      std::vector<Triangulation::Face_handle> between{start};
+      start->info() = 1;
+      for (std::size_t next = 0; next < between.size(); ++next) {
+        for (int k = 0; k < 3; ++k) {
+          const Triangulation::Face_handle other = between[next]->neighbor(k);
+          if (between[next]->is_constrained(k) || triangulation.is_infinite(other)) continue;
+          if (std::exchange(other->info(), 1) == 0) between.push_back(other);
+        }
+      }
+      const auto largest = *std::max_element(
+          between.begin(), between.end(),
+          [](const auto& one, const auto& other) { return seen_area(one) < seen_area(other); });
+      const Exact::Point_2 place = CGAL::centroid(
+          largest->vertex(0)->point(), largest->vertex(1)->point(), largest->vertex(2)->point());
+      int sum = 0;
+      std::array<std::optional<std::uint32_t>, 2> first;  // that turn as seen, and the others
+      for (const Member& member : members) {
+        if (!member.covers(place)) continue;
+        sum += member.turn;
+        std::optional<std::uint32_t>& one = first[member.turn == CGAL::POSITIVE ? 0 : 1];
+        if (!one) one = member.triangle;
+      }
+      // Where as many face one way as the other there is no surface.
+      if (sum == 0) continue;
+      for (const auto face : between) {
+        Triangle piece = numbers_at(face);
+        if (sum < 0) std::swap(piece[1], piece[2]);
+        add_piece(piece, *first[sum > 0 ? 0 : 1], static_cast<std::uint32_t>(std::abs(sum)));
+      }
+    }
+  }
+
+  [[nodiscard]] static Triangle numbers_at(Triangulation::Face_handle face) {
+    return {face->vertex(0)->info(), face->vertex(1)->info(), face->vertex(2)->info()};
+  }
+
+  /// About twice the area of a face.
+  [[nodiscard]] static double seen_area(Triangulation::Face_handle face) {
+    std::array<Eigen::Vector2d, 3> at;
+    for (int k = 0; k < 3; ++k) {
+      const Exact::Point_2& point = face->vertex(k)->point();
+      at[static_cast<std::size_t>(k)] = {CGAL::to_double(point.x()), CGAL::to_double(point.y())};
+    }
+    const Eigen::Vector2d one = at[1] - at[0], other = at[2] - at[0];
+    return one.x() * other.y() - one.y() * other.x();
+  }
+
+  /// The corners of a triangle along the projection of some cuts.
+  [[nodiscard]] std::array<Exact::Point_2, 3> seen(std::uint32_t index, const Cuts& cuts) const {
+    const std::array<Exact::Point_3, 3> own = corners(index);
+    return {cuts.down(own[0]), cuts.down(own[1]), cuts.down(own[2])};
   }
 
   /// The number of a point: one place, before rounding, has one.
@@ -221,15 +385,20 @@ class Splitter {
     return there.back();
   }
 
-  void add_piece(const Triangle& piece, std::uint32_t parent) {
+  void add_piece(const Triangle& piece, std::uint32_t parent, std::uint32_t jump) {
     mesh_.pieces.push_back(piece);
     mesh_.parents.push_back(parent);
+    mesh_.jumps.push_back(jump);
   }
 
   std::span<const Vector3> points_;
   std::span<const Triangle> triangles_;
+  std::size_t solids_;
   SplitMesh mesh_;
-  std::map<std::uint32_t, Cuts> cuts_;
+  Groups planes_;  ///< of triangles that are cut as one
+  std::map<std::uint32_t, std::vector<std::uint32_t>> members_;  ///< by the first, itself included
+  Sides inner_;                         ///< between two that are cut as one, which nothing else has
+  std::map<std::uint32_t, Cuts> cuts_;  ///< by the first
   std::map<Key, std::vector<std::uint32_t>> numbers_;
 };
 
@@ -242,14 +411,14 @@ ExactKernel::Point_3 SplitMesh::exact_place(std::uint32_t point) const {
 
 SplitMesh split_triangles(std::span<const Vector3> points, std::span<const Triangle> triangles,
                           std::span<const TrianglePair> crossing, std::size_t solids) {
-  Splitter splitter(points, triangles);
-  for (const TrianglePair& pair : crossing) splitter.intersect(pair, pair.second >= solids);
+  Splitter splitter(points, triangles, solids);
+  splitter.intersect(crossing);
   return splitter.finish();
 }
 
 SplitMesh cut_as_seen(std::span<const Vector3> points, std::span<const Triangle> triangles,
                       std::span<const SeenCut> cuts) {
-  Splitter splitter(points, triangles);
+  Splitter splitter(points, triangles, triangles.size());
   for (const auto& [triangle, segment] : cuts) splitter.cut(triangle, segment, false);
   SplitMesh split = splitter.finish();
   std::size_t kept = 0;
@@ -261,6 +430,7 @@ SplitMesh cut_as_seen(std::span<const Vector3> points, std::span<const Triangle>
   }
   split.pieces.resize(kept);
   split.parents.resize(kept);
+  split.jumps.resize(kept);
   return split;
 }
 

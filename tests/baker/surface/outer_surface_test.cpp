@@ -60,6 +60,27 @@ using baker::WindingNumber;
   return shape;
 }
 
+/// The same surface of more triangles: each is cut into so many squared.
+[[nodiscard]] Shape subdivided(const Shape& shape, int parts) {
+  Shape fine;
+  for (const Triangle& triangle : shape.triangles) {
+    const Vector3 &a = shape.vertices[triangle[0]], &b = shape.vertices[triangle[1]],
+                  &c = shape.vertices[triangle[2]];
+    const auto corner = [&](int i, int j) {
+      fine.vertices.push_back(((parts - i - j) * a + i * b + j * c) / parts);
+      return static_cast<std::uint32_t>(fine.vertices.size() - 1);
+    };
+    for (int i = 0; i < parts; ++i) {
+      for (int j = 0; i + j < parts; ++j) {
+        fine.triangles.push_back({corner(i, j), corner(i + 1, j), corner(i, j + 1)});
+        if (i + j + 1 == parts) continue;
+        fine.triangles.push_back({corner(i + 1, j), corner(i + 1, j + 1), corner(i, j + 1)});
+      }
+    }
+  }
+  return fine;
+}
+
 /// A cube with edges of 2 under z = 0, whose top has a sliver from side to side that is tilted by
 /// 22 degrees, 3 um wide and 1.2 um high.
 [[nodiscard]] Shape cube_with_sliver() {
@@ -147,6 +168,34 @@ TEST_CASE("Boxes that share part of a face become one") {
   CHECK(volume_of(through) == Approx(16 - 3).epsilon(1e-12));
   CHECK(kept_area(through) == Approx(2 * 6.5 + 2 * 11).epsilon(1e-12));
   CHECK(open_length(through) == 0);
+}
+
+TEST_CASE("Faces of many triangles that lie on each other are cut along their outlines alone") {
+  const Shape fine = subdivided(box({2, 2, 2}), 16);
+  const std::size_t triangles = fine.triangles.size();
+  // The top of one on the bottom of the other, at an angle; then faces of both that face one way.
+  const OuterSurface on =
+      surface_of(merged(fine, moved(turned(fine, 0.3, Vector3::UnitZ()), {0.3, 0.2, 2})));
+  CHECK(volume_of(on) == Approx(16).epsilon(1e-12));
+  CHECK(open_length(on) == 0);
+  CHECK(on.triangles.size() + on.hidden < 2 * triangles + 500);
+  const OuterSurface through =
+      surface_of(merged(fine, moved(turned(fine, 0.3, Vector3::UnitZ()), {0.3, 0.2, 0})));
+  CHECK(open_length(through) == 0);
+  CHECK(through.triangles.size() + through.hidden < 3 * triangles);
+  // Thrice: those that lie on each other count as often as they do.
+  const OuterSurface thrice =
+      surface_of(merged(merged(fine, moved(fine, {0, 1, 0})), turned(fine, 1.5, Vector3::UnitZ())));
+  CHECK(open_length(thrice) == 0);
+  RandomTwister random(7);
+  const WindingNumber winding(thrice.vertices, thrice.triangles);
+  for (int i = 0; i < 300; ++i) {
+    const Vector3 place = random.in_box({-2, -2, -1.2}, {2, 2.5, 1.2});
+    const Vector3 back = Eigen::AngleAxisd(-1.5, Vector3::UnitZ()) * place;
+    const auto inside = [](const Vector3& p) { return p.cwiseAbs().maxCoeff() < 1; };
+    const bool any = inside(place) || inside(place - Vector3::UnitY()) || inside(back);
+    CHECK(winding.at(place) == Approx(any ? 1 : 0).margin(1e-6));
+  }
 }
 
 TEST_CASE("The same box twice leaves one") {
