@@ -65,12 +65,16 @@ bool CubeSide::is_inside(const LatticeSurface& surface, const Cube& cube, const 
   const std::optional<bool> inside =
       is_surrounded(passing.size(), corners, known, cube.middle, cube.half, point);
   if (inside == true) return true;
+  if (!inside) return surface.caster->surrounds(point, away);
+  // It is in a gap only where a wall is near that is not felt; those come after the felt ones.
   const double gap = gap_steps * surface.step;
+  if (away <= 2 * gap) return false;
   const bool near = std::any_of(passing.begin(), passing.end(), [&](std::uint32_t triangle) {
+    if (triangle < surface.triangles.size()) return false;
     const auto& [a, b, c] = surface.any_triangle(triangle).corners;
     return (closest_on_triangle(point, a, b, c) - point).norm() < gap;
   });
-  return (!inside || (near && away > 2 * gap)) && surface.caster->surrounds(point, away);
+  return near && surface.caster->surrounds(point, away);
 }
 
 std::optional<CubeSide> find_cube_side(const LatticeSurface& surface, const Cube& cube,

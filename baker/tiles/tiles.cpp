@@ -57,7 +57,7 @@ struct TileKey {
 /// Surfels, listed by the cube of space in which they lie.
 class SurfelBins {
  public:
-  SurfelBins(const std::vector<Surfel>& surfels, double edge) {
+  SurfelBins(const Caster& caster, const std::vector<Surfel>& surfels, double edge) {
     Vector3 low = Vector3::Constant(std::numeric_limits<double>::infinity()), high = -low;
     for (const Surfel& surfel : surfels) {
       low = low.cwiseMin(surfel.point);
@@ -71,16 +71,25 @@ class SurfelBins {
       members.emplace_back(grid_.number(x, y, z), i);
     }
     bins_ = CubeBins(grid_.cubes(), members);
+    for (const std::uint32_t i : bins_.of(0, grid_.cubes() - 1))
+      places_.push_back({surfels[i].point, caster.normal(surfels[i].triangle)});
   }
 
+  /// Where a surfel lies, and the normal there.
+  struct Place {
+    Vector3 point, normal;
+  };
+
+  /// Calls `visit` with the surfels of the cubes that a box meets, and their places.
   template <class Visit>
   void visit_box(const Vector3& low, const Vector3& high, const Visit& visit) const {
     const auto from = grid_.nearest(low), to = grid_.nearest(high);
+    const std::uint32_t* const first = bins_.of(0, grid_.cubes() - 1).data();
     for (std::int64_t z = from[2]; z <= to[2]; ++z) {
       for (std::int64_t y = from[1]; y <= to[1]; ++y) {
-        for (const std::uint32_t i :
+        for (const std::uint32_t& i :
              bins_.of(grid_.number(from[0], y, z), grid_.number(to[0], y, z))) {
-          visit(i);
+          visit(i, places_[static_cast<std::size_t>(&i - first)]);
         }
       }
     }
@@ -89,6 +98,7 @@ class SurfelBins {
  private:
   CubeGrid grid_;
   CubeBins bins_;
+  std::vector<Place> places_;  ///< in the order of the bins: side by side as they are read
 };
 
 /// A fitted tile and the surfels it covers.
@@ -106,7 +116,7 @@ class TileChooser {
         planes_(planes),
         settings_(settings),
         surfels_(assign_surface(caster, planes, points)),
-        bins_(surfels_, bin_share * caster.diagonal()),
+        bins_(caster, surfels_, bin_share * caster.diagonal()),
         covered_(surfels_.size(), 0) {
     double area = 0;
     for (std::uint32_t t = 0; t < caster.solid_count(); ++t) area += caster.area(t);
@@ -292,21 +302,23 @@ class TileChooser {
     }
     const Vector3 slack = Vector3::Constant(2 * settings_.residual);
     std::vector<std::uint32_t> found;
-    bins_.visit_box(low - slack, high + slack, [&](std::uint32_t i) {
-      if (covered_[i] == 0 && covers(tile, plane, surfels_[i])) found.push_back(i);
-    });
+    bins_.visit_box(low - slack, high + slack,
+                    [&](std::uint32_t i, const SurfelBins::Place& there) {
+                      const PlaneCoordinates place = project_on_plane(plane, there.point);
+                      if (covers(tile, i, place, there.normal.dot(plane.n))) found.push_back(i);
+                    });
     return found;
   }
 
-  [[nodiscard]] bool covers(const Tile& tile, const SupportPlane& plane,
-                            const Surfel& surfel) const {
-    const PlaneCoordinates place = project_on_plane(plane, surfel.point);
+  /// Whether a tile covers a surfel that none covers yet. It lies at a place of the tile's plane,
+  /// and its normal has the cosine `facing` to the plane's.
+  [[nodiscard]] bool covers(const Tile& tile, std::uint32_t index, const PlaneCoordinates& place,
+                            double facing) const {
     const double s = static_cast<double>(tile.spacing);
     const double x = (place.eta - tile.eta0) / s, y = (place.omega - tile.omega0) / s;
     if (!(x >= 0 && y >= 0 && x < tile_cells && y < tile_cells)) return false;
     const auto cell = static_cast<std::uint32_t>(y) * tile_cells + static_cast<std::uint32_t>(x);
-    if (((tile.valid >> cell) & 1U) == 0) return false;
-    const double facing = caster_.normal(surfel.triangle).dot(plane.n);
+    if (((tile.valid >> cell) & 1U) == 0 || covered_[index] != 0) return false;
     if (std::abs(patch_height(tile, x, y) - place.depth) * facing > 1.2 * settings_.residual ||
         facing <= 0) {
       return false;
