@@ -104,13 +104,39 @@ struct Member {
   CGAL::Orientation turn;
   CGAL::Bbox_2 box;
 
-  [[nodiscard]] bool covers(const Exact::Point_2& place) const {
-    return CGAL::do_overlap(box, place.bbox()) &&
-           CGAL::orientation(corners[0], corners[1], place) == turn &&
-           CGAL::orientation(corners[1], corners[2], place) == turn &&
-           CGAL::orientation(corners[2], corners[0], place) == turn;
+  /// Where a place lies: on the triangle, beyond it, or on one of its sides.
+  [[nodiscard]] CGAL::Bounded_side side_of(const Exact::Point_2& place) const {
+    if (!CGAL::do_overlap(box, place.bbox())) return CGAL::ON_UNBOUNDED_SIDE;
+    bool on_line = false;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const CGAL::Orientation own = CGAL::orientation(corners[k], corners[(k + 1) % 3], place);
+      if (own == -turn) return CGAL::ON_UNBOUNDED_SIDE;
+      on_line = on_line || own == CGAL::ZERO;
+    }
+    return on_line ? CGAL::ON_BOUNDARY : CGAL::ON_BOUNDED_SIDE;
   }
 };
+
+/// What lies on each other at a place.
+struct Stack {
+  int sum = 0;                                        ///< that turn as seen, less the others
+  std::array<std::optional<std::uint32_t>, 2> first;  ///< of those, and of the others
+};
+
+/// Nothing where a place lies on a side of a triangle.
+[[nodiscard]] std::optional<Stack> stack_at(const Exact::Point_2& place,
+                                            const std::vector<Member>& members) {
+  Stack stack;
+  for (const Member& member : members) {
+    const CGAL::Bounded_side side = member.side_of(place);
+    if (side == CGAL::ON_BOUNDARY) return std::nullopt;
+    if (side == CGAL::ON_UNBOUNDED_SIDE) continue;
+    stack.sum += member.turn;
+    std::optional<std::uint32_t>& one = stack.first[member.turn == CGAL::POSITIVE ? 0 : 1];
+    if (!one) one = member.triangle;
+  }
+  return stack;
+}
 
 class Splitter {
  public:
@@ -331,23 +357,28 @@ class Splitter {
       const auto largest = *std::max_element(
           between.begin(), between.end(),
           [](const auto& one, const auto& other) { return seen_area(one) < seen_area(other); });
-      const Exact::Point_2 place = CGAL::centroid(
-          largest->vertex(0)->point(), largest->vertex(1)->point(), largest->vertex(2)->point());
-      int sum = 0;
-      std::array<std::optional<std::uint32_t>, 2> first;  // that turn as seen, and the others
-      for (const Member& member : members) {
-        if (!member.covers(place)) continue;
-        sum += member.turn;
-        std::optional<std::uint32_t>& one = first[member.turn == CGAL::POSITIVE ? 0 : 1];
-        if (!one) one = member.triangle;
-      }
+      const Stack stack = stack_in(largest, members);
       // Where as many face one way as the other there is no surface.
-      if (sum == 0) continue;
+      if (stack.sum == 0) continue;
       for (const auto face : between) {
         Triangle piece = numbers_at(face);
-        if (sum < 0) std::swap(piece[1], piece[2]);
-        add_piece(piece, *first[sum > 0 ? 0 : 1], static_cast<std::uint32_t>(std::abs(sum)));
+        if (stack.sum < 0) std::swap(piece[1], piece[2]);
+        add_piece(piece, *stack.first[stack.sum > 0 ? 0 : 1],
+                  static_cast<std::uint32_t>(std::abs(stack.sum)));
       }
+    }
+  }
+
+  /// What lies on each other in a face, asked at a place in it that no side passes: one of those on
+  /// a curve, of which any line passes two.
+  [[nodiscard]] static Stack stack_in(Triangulation::Face_handle face,
+                                      const std::vector<Member>& members) {
+    const Exact::Point_2 &a = face->vertex(0)->point(), &b = face->vertex(1)->point(),
+                         &c = face->vertex(2)->point();
+    for (int k = 1;; ++k) {
+      const Exact::Point_2 place =
+          CGAL::barycenter(a, Exact::FT(97 + k), b, Exact::FT(101 + k * k), c, Exact::FT(103));
+      if (const auto stack = stack_at(place, members)) return *stack;
     }
   }
 
