@@ -206,6 +206,12 @@ class Neighbours {
       const Vector3 across = to - along.dot(to) * along;
       if (across.norm() > 0) directions.push_back(across.normalized());
     }
+    // Beside a face that lies near another one, a part of a side may lie in the gap between them.
+    if (surface_.sides && std::any_of(around.begin(), around.end(), [&](const Sector& sector) {
+          return faces_[sector.triangle] != FeatureSide::by_normal;
+        })) {
+      return FeatureSide::by_crossings;
+    }
     directions.push_back(along);
     directions.push_back(-along);
     const Vector3 middle = (surface_.vertices[a] + surface_.vertices[b]) / 2;

@@ -82,4 +82,38 @@ TEST_CASE(
   CHECK(off == 0);
 }
 
+TEST_CASE("Beside an edge that runs into a gap, places before the gap are outside") {
+  // The top of a block falls away by 6 um along an edge from where it meets the bottom of another
+  // block, which hangs over half of the edge: half of it lies in a gap that is not felt.
+  const auto top = [](double x, double y) { return 2e-3 * x - 3e-4 * (0.01 - y); };
+  test::Shape block = test::moved(test::box({0.01, 0.02, 0.01}), {-0.005, 0, -0.005});
+  for (Vector3& vertex : block.vertices) {
+    if (vertex.z() > -0.001) vertex.z() = top(vertex.x(), vertex.y());
+  }
+  const test::Shape over = test::moved(test::box({0.02, 0.017, 0.01}), {0, 0.0065, 0.005});
+  const test::TemporaryFolder folder;
+  BuildRequest request;
+  request.mesh = folder.path("blocks.obj");
+  request.output = folder.path("blocks.spm.exr");
+  // Elsewhere there is a gap of which walls stay open at their ends.
+  const test::Shape gap =
+      test::merged(test::moved(test::box({0.01, 0.01, 0.01}), {0.03, 0, 0}),
+                   test::moved(test::box({0.006, 0.006, 0.01}), {0.03, 0.001, 0.010001}));
+  test::write_obj(test::merged(test::merged(block, over), gap), request.mesh);
+  request.bake.tolerance = 2e-4;
+  request.allow_inexact = true;
+  REQUIRE_NOTHROW(run_build(request, {}));
+  const auto asset = MappedAsset::open(request.output);
+  REQUIRE(asset.has_value());
+  std::size_t wrong = 0;
+  for (int i = 0; i < 400; ++i) {
+    const double y = -0.0095 + 0.007 * i / 400, turn = 0.05 + 1.4 * (i % 20) / 20;
+    const Vector3 edge(0, y, top(0, y));
+    const Vector3 place = edge + 3e-4 * Vector3(std::cos(turn), 0, std::sin(turn));
+    const Answer answer = query_point((*asset)->view(), place);
+    wrong += answer.distance > 0 ? 0 : 1;
+  }
+  CHECK(wrong == 0);
+}
+
 }  // namespace spm::baker::served_answers_test
