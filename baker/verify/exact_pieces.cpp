@@ -10,6 +10,7 @@
 #include <cmath>
 #include <cstdint>
 #include <iterator>
+#include <limits>
 #include <utility>
 
 #include "baker/base/box_slabs.hpp"
@@ -239,16 +240,23 @@ Segment longest_way(const Polygon& polygon) {
   return longest;
 }
 
-/// Of a polygon that is no higher than so much the unit vector across its longest way, else 0.
-Vector2 across_sliver(const Polygon& polygon, double height) {
-  const Segment ends = longest_way(polygon);
-  const Vector2 along = ends.second - ends.first;
-  double twice_area = 0;
+/// Of a polygon that is no wider than so much the unit vector across it, else 0. A convex polygon
+/// is as wide as it is across one of its sides.
+Vector2 across_sliver(const Polygon& polygon, double width) {
+  double least = std::numeric_limits<double>::infinity();
+  Vector2 across = Vector2::Zero();
   for (std::size_t i = 0; i < polygon.size(); ++i) {
-    twice_area += cross(polygon[i], polygon[(i + 1) % polygon.size()]);
+    const Vector2 along = polygon[(i + 1) % polygon.size()] - polygon[i];
+    const Vector2 inwards = Vector2(-along.y(), along.x()).normalized();
+    double most = 0;
+    for (const Vector2& corner : polygon) {
+      most = std::max(most, inwards.dot(corner - polygon[i]));
+    }
+    if (along == Vector2::Zero() || most >= least) continue;
+    least = most;
+    across = inwards;
   }
-  if (twice_area > height * along.norm()) return Vector2::Zero();
-  return Vector2(-along.y(), along.x()).normalized();
+  return least > width ? Vector2(Vector2::Zero()) : across;
 }
 
 /// Places along a sliver, half a tolerance apart, between its longest way and its centre.

@@ -368,6 +368,18 @@ TEST_CASE("Of a closed gap its ends go as well") {
   CHECK(surface.hidden_area == Approx(2 * 0.24 + 2 * gap).epsilon(1e-3));
 }
 
+TEST_CASE("The floor of a closed gap between two parts on a third is gone, and to verify too") {
+  const double gap = 3e-6;
+  const Shape left = moved(box({1, 1.5, 1}), {-0.5 - gap / 2, 0, 1.5});
+  const Shape right = moved(box({1, 1.5, 1}), {0.5 + gap / 2, 0, 1.5});
+  const baker::Mesh mesh = load_shape(merged(merged(box({3, 3, 2}), left), right));
+  const OuterSurface surface = baker::outer_surface(mesh, 4e-6);
+  const baker::ExactSurface exact(mesh, 0, 4e-6 / baker::narrow_share);
+  const Vector3 floor(0, 0, 1);
+  CHECK(distance_to(surface.vertices, surface.triangles, floor) > 0.7);
+  CHECK((exact.closest(floor).position - floor).norm() > 0.7);
+}
+
 TEST_CASE("A sliver that lies half in a closed gap is gone in all of it, and to verify too") {
   const Shape on_half = moved(box({1.2, 1.2, 1}), {-0.7, 0, 0.5 + 1.5e-6});
   const baker::Mesh mesh = load_shape(merged(cube_with_sliver(), on_half));
