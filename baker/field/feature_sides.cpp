@@ -196,6 +196,8 @@ class Neighbours {
     for (const std::uint32_t number : sides_.uses(triangle, k)) {
       const std::uint32_t t = TriangleSides::use(number).triangle;
       around.push_back({normals_[t], 1, t});
+      // Beside a face that lies near another one, a part of a side may lie in the gap between them.
+      if (surface_.sides && faces_[t] != FeatureSide::by_normal) return FeatureSide::by_crossings;
       if (thin_[t] > thin_[triangle]) {
         // Where parts nearly touch, what is beside them may be beyond the thin one.
         if (surface_.sides) return FeatureSide::by_crossings;
@@ -205,12 +207,6 @@ class Neighbours {
       const Vector3 to = surface_.vertices[other(t, a, b)] - surface_.vertices[a];
       const Vector3 across = to - along.dot(to) * along;
       if (across.norm() > 0) directions.push_back(across.normalized());
-    }
-    // Beside a face that lies near another one, a part of a side may lie in the gap between them.
-    if (surface_.sides && std::any_of(around.begin(), around.end(), [&](const Sector& sector) {
-          return faces_[sector.triangle] != FeatureSide::by_normal;
-        })) {
-      return FeatureSide::by_crossings;
     }
     directions.push_back(along);
     directions.push_back(-along);

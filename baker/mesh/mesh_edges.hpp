@@ -20,6 +20,13 @@ struct HalfEdge {
   bool forward;  ///< the triangle runs from low to high
 };
 
+/// The corner of a triangle that is not on a side of it.
+[[nodiscard]] inline std::uint32_t tip_of(const Triangle& triangle, const HalfEdge& side) {
+  return *std::find_if(triangle.begin(), triangle.end(), [&](std::uint32_t corner) {
+    return corner != side.low && corner != side.high;
+  });
+}
+
 /// All edges; those of the same pair of vertices are side by side.
 [[nodiscard]] std::vector<HalfEdge> sorted_edges(const std::vector<Triangle>& triangles);
 

@@ -37,10 +37,7 @@ std::vector<FanLeaf> triangle_fan(const std::vector<Triangle>& triangles,
   const Point a = place(users[0].low), b = place(users[0].high);
   std::vector<Leaf> leaves;
   for (const HalfEdge& user : users) {
-    for (const std::uint32_t corner : triangles[user.triangle]) {
-      if (corner == user.low || corner == user.high) continue;
-      leaves.push_back({place(corner), user});
-    }
+    leaves.push_back({place(tip_of(triangles[user.triangle], user)), user});
   }
   for (std::size_t i = 1; i < leaves.size(); ++i) {
     leaves[i].turn = turn_of(a, b, leaves[0].tip, leaves[i].tip);

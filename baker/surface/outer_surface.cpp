@@ -28,15 +28,14 @@ constexpr double hair = 1e-7;
 [[nodiscard]] std::vector<LooseTriangle> bounding_pieces(const Mesh& mesh, const SplitMesh& split,
                                                          OuterSurface& surface) {
   const auto solids = static_cast<std::size_t>(
-      std::count_if(split.parents.begin(), split.parents.end(),
-                    [&](std::uint32_t parent) { return parent < mesh.solid_triangles(); }));
+      std::lower_bound(split.parents.begin(), split.parents.end(), mesh.solid_triangles()) -
+      split.parents.begin());
   const WindingNumber winding(mesh.vertices,
                               std::span(mesh.triangles).first(mesh.solid_triangles()));
   const std::vector<PieceWinding> sides = winding_of_pieces(split, solids, winding, mesh.diagonal);
   std::vector<LooseTriangle> loose;
   for (std::size_t piece = 0; piece < split.pieces.size(); ++piece) {
-    const std::uint32_t parent = split.planes[split.parents[piece]];
-    LooseTriangle one{split.pieces[piece], piece >= solids, false, parent};
+    LooseTriangle one{split.pieces[piece], piece >= solids, false, split.parents[piece]};
     if (!one.sheet) {
       const PieceWinding& here = sides[piece];
       if ((here.front > 0) == (here.back > 0)) {

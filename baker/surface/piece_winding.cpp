@@ -66,11 +66,8 @@ class Cells {
     const Vector3 along = (split_.points[users[0].high] - low).normalized();
     std::array<Vector3, 2> away;
     for (std::size_t i = 0; i < 2; ++i) {
-      for (const std::uint32_t corner : pieces_[users[i].triangle]) {
-        if (corner == users[i].low || corner == users[i].high) continue;
-        const Vector3 tip = split_.points[corner] - low;
-        away[i] = tip - tip.dot(along) * along;
-      }
+      const Vector3 tip = split_.points[tip_of(pieces_[users[i].triangle], users[i])] - low;
+      away[i] = tip - tip.dot(along) * along;
     }
     return !(away[0].dot(away[1]) < folded_cosine * away[0].norm() * away[1].norm());
   }

@@ -16,6 +16,7 @@
 #include <set>
 #include <utility>
 
+#include "baker/base/cube_bins.hpp"
 #include "baker/base/groups.hpp"
 #include "baker/mesh/mesh_edges.hpp"
 #include "baker/mesh/triangle_height.hpp"
@@ -99,7 +100,6 @@ struct Cuts {
 
 /// A triangle of some that lie on each other, as it is seen along their projection.
 struct Member {
-  std::uint32_t triangle;
   std::array<Exact::Point_2, 3> corners;
   CGAL::Orientation turn;
   CGAL::Bbox_2 box;
@@ -117,25 +117,17 @@ struct Member {
   }
 };
 
-/// What lies on each other at a place.
-struct Stack {
-  int sum = 0;                                        ///< that turn as seen, less the others
-  std::array<std::optional<std::uint32_t>, 2> first;  ///< of those, and of the others
-};
-
-/// Nothing where a place lies on a side of a triangle.
-[[nodiscard]] std::optional<Stack> stack_at(const Exact::Point_2& place,
+/// How many triangles that cover a place turn as they are seen, less those that turn the other way;
+/// nothing where the place lies on a side of one.
+[[nodiscard]] std::optional<int> stacked_at(const Exact::Point_2& place,
                                             const std::vector<Member>& members) {
-  Stack stack;
+  int sum = 0;
   for (const Member& member : members) {
     const CGAL::Bounded_side side = member.side_of(place);
     if (side == CGAL::ON_BOUNDARY) return std::nullopt;
-    if (side == CGAL::ON_UNBOUNDED_SIDE) continue;
-    stack.sum += member.turn;
-    std::optional<std::uint32_t>& one = stack.first[member.turn == CGAL::POSITIVE ? 0 : 1];
-    if (!one) one = member.triangle;
+    if (side == CGAL::ON_BOUNDED_SIDE) sum += member.turn;
   }
-  return stack;
+  return sum;
 }
 
 class Splitter {
@@ -155,13 +147,17 @@ class Splitter {
       flat[i] = 1;
       if (second < solids_) planes_.join(first, second);
     }
-    gather_members();
+    if (std::any_of(flat.begin(), flat.end(), [](char is_flat) { return is_flat != 0; })) {
+      find_inner_sides();
+    }
     for (std::size_t i = 0; i < pairs.size(); ++i) {
       const auto [first, second] = pairs[i];
       if (flat[i] == 0) {
         cut_along_trace(first, second);
       } else if (second >= solids_) {
         cut_along_sides(second, first);
+      } else {
+        (void)cuts_of(first);
       }
     }
   }
@@ -192,12 +188,17 @@ class Splitter {
     for (std::uint32_t i = 0; i < points_.size() && !cuts_.empty(); ++i) {
       numbers_[key(points_[i])].push_back(i);
     }
+    std::vector<CubeBins::Member> members;
     for (std::uint32_t i = 0; i < triangles_.size(); ++i) {
       mesh_.planes.push_back(planes_.of(i));
+      members.emplace_back(mesh_.planes.back(), i);
+    }
+    const CubeBins cut_as_one(triangles_.size(), members);
+    for (std::uint32_t i = 0; i < triangles_.size(); ++i) {
       const auto cuts = cuts_.find(i);
       if (cuts != cuts_.end()) {
-        split(i, cuts->second);
-      } else if (mesh_.planes.back() == i) {
+        split(i, cut_as_one.of(i, i), cuts->second);
+      } else if (mesh_.planes[i] == i) {
         add_piece(triangles_[i], i, 1);
       }
     }
@@ -232,34 +233,20 @@ class Splitter {
                                 : cuts_.emplace(first, Cuts(corners(first))).first->second;
   }
 
-  /// Finds the triangles that are cut as one, and the sides between those.
-  void gather_members() {
-    for (std::uint32_t i = 0; i < solids_; ++i) {
-      const std::uint32_t first = planes_.of(i);
-      if (first == i) continue;
-      std::vector<std::uint32_t>& members = members_[first];
-      if (members.empty()) members.push_back(first);
-      members.push_back(i);
-      (void)cuts_of(i);
-    }
-    if (members_.empty()) return;
+  /// Finds the sides between two triangles that are cut as one.
+  void find_inner_sides() {
     const std::vector<Triangle> all(triangles_.begin(), triangles_.end());
     for_each_edge(sorted_edges(all), [&](std::span<const HalfEdge> users) {
       if (users.size() != 2 || users[0].forward == users[1].forward ||
           planes_.of(users[0].triangle) != planes_.of(users[1].triangle)) {
         return;
       }
-      std::array<Exact::Point_3, 2> tips;
-      for (std::size_t i = 0; i < 2; ++i) {
-        for (const std::uint32_t corner : triangles_[users[i].triangle]) {
-          if (corner != users[i].low && corner != users[i].high) {
-            tips[i] = exact_point(points_[corner]);
-          }
-        }
-      }
+      const auto tip = [&](const HalfEdge& user) {
+        return exact_point(points_[tip_of(triangles_[user.triangle], user)]);
+      };
       const auto low = exact_point(points_[users[0].low]);
       const auto high = exact_point(points_[users[0].high]);
-      if (CGAL::coplanar_orientation(low, high, tips[0], tips[1]) == CGAL::NEGATIVE) {
+      if (CGAL::coplanar_orientation(low, high, tip(users[0]), tip(users[1])) == CGAL::NEGATIVE) {
         inner_.emplace(users[0].low, users[0].high);
       }
     });
@@ -290,38 +277,44 @@ class Splitter {
     }
   }
 
-  void split(std::uint32_t index, const Cuts& cuts) {
-    const auto found = members_.find(index);
-    const std::vector<std::uint32_t> alone{index};
-    const std::vector<std::uint32_t>& indices = found == members_.end() ? alone : found->second;
-    std::vector<Member> members;
+  /// Cuts a triangle, or some as one, of which it is the first.
+  void split(std::uint32_t first, std::span<const std::uint32_t> triangles, const Cuts& cuts) {
     Triangulation triangulation;
     std::vector<std::pair<Triangulation::Vertex_handle, std::uint32_t>> ends;
-    for (const std::uint32_t member : indices) {
-      const std::array<Exact::Point_2, 3> flat = seen(member, cuts);
-      members.push_back({member, flat, CGAL::orientation(flat[0], flat[1], flat[2]),
-                         flat[0].bbox() + flat[1].bbox() + flat[2].bbox()});
+    for (const std::uint32_t triangle : triangles) {
+      const std::array<Exact::Point_2, 3> flat = seen(triangle, cuts);
       for (std::size_t k = 0; k < 3; ++k) {
-        ends.emplace_back(triangulation.insert(flat[k]), triangles_[member][k]);
+        ends.emplace_back(triangulation.insert(flat[k]), triangles_[triangle][k]);
       }
     }
     for (const Exact::Point_2& point : cuts.points) triangulation.insert(point);
     for (const auto& [from, to] : cuts.segments) triangulation.insert_constraint(from, to);
-    if (members.size() > 1) add_outlines(triangulation, ends);
+    if (triangles.size() > 1) add_outlines(triangulation, ends);
     for (const auto vertex : triangulation.finite_vertex_handles()) {
       vertex->info() = number(cuts.projection.up(vertex->point()));
     }
     // The corners keep their numbers, even where another vertex lies in the same place.
     for (const auto& [vertex, corner] : ends) vertex->info() = corner;
-    if (members.size() > 1) {
-      for (const Member& member : members) mesh_.split.add(1, triangles_[member.triangle][0]);
-      add_stacked(triangulation, members);
+    if (triangles.size() > 1) {
+      for (const std::uint32_t triangle : triangles) mesh_.split.add(1, triangles_[triangle][0]);
+      add_stacked(triangulation, first, members_of(triangles, cuts));
       return;
     }
-    if (triangulation.number_of_faces() > 1) mesh_.split.add(1, triangles_[index][0]);
+    if (triangulation.number_of_faces() > 1) mesh_.split.add(1, triangles_[first][0]);
     for (const auto face : triangulation.finite_face_handles()) {
-      add_piece(numbers_at(face), index, 1);
+      add_piece(numbers_at(face), first, 1);
     }
+  }
+
+  [[nodiscard]] std::vector<Member> members_of(std::span<const std::uint32_t> triangles,
+                                               const Cuts& cuts) const {
+    std::vector<Member> members;
+    for (const std::uint32_t triangle : triangles) {
+      const std::array<Exact::Point_2, 3> flat = seen(triangle, cuts);
+      members.push_back({flat, CGAL::orientation(flat[0], flat[1], flat[2]),
+                         flat[0].bbox() + flat[1].bbox() + flat[2].bbox()});
+    }
+    return members;
   }
 
   /// The sides of triangles that are cut as one, but for those between two of them. `ends` are
@@ -339,9 +332,10 @@ class Splitter {
     }
   }
 
-  /// The pieces of triangles that lie on each other. Between cuts the same triangles lie on each
-  /// other everywhere, or those beside them.
-  void add_stacked(Triangulation& triangulation, const std::vector<Member>& members) {
+  /// Adds the pieces of triangles that are cut as one. Between cuts as many lie on each other
+  /// everywhere.
+  void add_stacked(Triangulation& triangulation, std::uint32_t first,
+                   const std::vector<Member>& members) {
     for (const auto face : triangulation.finite_face_handles()) face->info() = 0;
     for (const auto start : triangulation.finite_face_handles()) {
       if (start->info() != 0) continue;
@@ -357,28 +351,27 @@ class Splitter {
       const auto largest = *std::max_element(
           between.begin(), between.end(),
           [](const auto& one, const auto& other) { return seen_area(one) < seen_area(other); });
-      const Stack stack = stack_in(largest, members);
+      const int sum = stacked_in(largest, members);
       // Where as many face one way as the other there is no surface.
-      if (stack.sum == 0) continue;
+      if (sum == 0) continue;
       for (const auto face : between) {
         Triangle piece = numbers_at(face);
-        if (stack.sum < 0) std::swap(piece[1], piece[2]);
-        add_piece(piece, *stack.first[stack.sum > 0 ? 0 : 1],
-                  static_cast<std::uint32_t>(std::abs(stack.sum)));
+        if (sum < 0) std::swap(piece[1], piece[2]);
+        add_piece(piece, first, static_cast<std::uint32_t>(std::abs(sum)));
       }
     }
   }
 
-  /// What lies on each other in a face, asked at a place in it that no side passes: one of those on
-  /// a curve, of which any line passes two.
-  [[nodiscard]] static Stack stack_in(Triangulation::Face_handle face,
+  /// `stacked_at` of a place in a face: the first on a curve that no side passes. Any line passes
+  /// the curve twice at most.
+  [[nodiscard]] static int stacked_in(Triangulation::Face_handle face,
                                       const std::vector<Member>& members) {
     const Exact::Point_2 &a = face->vertex(0)->point(), &b = face->vertex(1)->point(),
                          &c = face->vertex(2)->point();
     for (int k = 1;; ++k) {
       const Exact::Point_2 place =
           CGAL::barycenter(a, Exact::FT(97 + k), b, Exact::FT(101 + k * k), c, Exact::FT(103));
-      if (const auto stack = stack_at(place, members)) return *stack;
+      if (const auto sum = stacked_at(place, members)) return *sum;
     }
   }
 
@@ -426,8 +419,7 @@ class Splitter {
   std::span<const Triangle> triangles_;
   std::size_t solids_;
   SplitMesh mesh_;
-  Groups planes_;  ///< of triangles that are cut as one
-  std::map<std::uint32_t, std::vector<std::uint32_t>> members_;  ///< by the first, itself included
+  Groups planes_;                       ///< of triangles that are cut as one
   Sides inner_;                         ///< between two that are cut as one, which nothing else has
   std::map<std::uint32_t, Cuts> cuts_;  ///< by the first
   std::map<Key, std::vector<std::uint32_t>> numbers_;

@@ -19,10 +19,11 @@ namespace spm::baker {
 struct SplitMesh {
   std::vector<Vector3> points;  ///< the mesh's own first
   std::vector<Triangle> pieces;
-  std::vector<std::uint32_t> parents;       ///< the triangle that each piece comes from
-  std::vector<std::uint32_t> jumps;         ///< by how much the winding number is more behind each
-  std::vector<std::uint32_t> planes;        ///< by triangle, the first of those it was cut with
-  Counted split;                            ///< triangles that became more than one piece
+  std::vector<std::uint32_t>
+      parents;                        ///< the triangle of each, or the first cut with it; ascending
+  std::vector<std::uint32_t> jumps;   ///< by how much the winding number is more behind each
+  std::vector<std::uint32_t> planes;  ///< by triangle, the first of those it was cut with
+  Counted split;                      ///< triangles that became more than one piece
   std::vector<ExactKernel::Point_3> added;  ///< the points after the mesh's, before rounding
 
   /// A point before rounding.

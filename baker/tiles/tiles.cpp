@@ -8,6 +8,7 @@
 #include <cmath>
 #include <limits>
 #include <queue>
+#include <span>
 #include <utility>
 
 #include "baker/base/cube_bins.hpp"
@@ -71,26 +72,27 @@ class SurfelBins {
       members.emplace_back(grid_.number(x, y, z), i);
     }
     bins_ = CubeBins(grid_.cubes(), members);
-    for (const std::uint32_t i : bins_.of(0, grid_.cubes() - 1))
-      places_.push_back({surfels[i].point, caster.normal(surfels[i].triangle)});
+    for (const std::uint32_t i : bins_.of(0, grid_.cubes() - 1)) {
+      places_.push_back({i, surfels[i].point, caster.normal(surfels[i].triangle)});
+    }
   }
 
   /// Where a surfel lies, and the normal there.
   struct Place {
+    std::uint32_t surfel;
     Vector3 point, normal;
   };
 
-  /// Calls `visit` with the surfels of the cubes that a box meets, and their places.
+  /// Calls `visit` with the places of the surfels in the cubes that a box meets.
   template <class Visit>
   void visit_box(const Vector3& low, const Vector3& high, const Visit& visit) const {
     const auto from = grid_.nearest(low), to = grid_.nearest(high);
     const std::uint32_t* const first = bins_.of(0, grid_.cubes() - 1).data();
     for (std::int64_t z = from[2]; z <= to[2]; ++z) {
       for (std::int64_t y = from[1]; y <= to[1]; ++y) {
-        for (const std::uint32_t& i :
-             bins_.of(grid_.number(from[0], y, z), grid_.number(to[0], y, z))) {
-          visit(i, places_[static_cast<std::size_t>(&i - first)]);
-        }
+        const auto row = bins_.of(grid_.number(from[0], y, z), grid_.number(to[0], y, z));
+        const auto start = static_cast<std::size_t>(row.data() - first);
+        for (const Place& there : std::span(places_).subspan(start, row.size())) visit(there);
       }
     }
   }
@@ -302,23 +304,22 @@ class TileChooser {
     }
     const Vector3 slack = Vector3::Constant(2 * settings_.residual);
     std::vector<std::uint32_t> found;
-    bins_.visit_box(low - slack, high + slack,
-                    [&](std::uint32_t i, const SurfelBins::Place& there) {
-                      const PlaneCoordinates place = project_on_plane(plane, there.point);
-                      if (covers(tile, i, place, there.normal.dot(plane.n))) found.push_back(i);
-                    });
+    bins_.visit_box(low - slack, high + slack, [&](const SurfelBins::Place& there) {
+      if (covers(tile, plane, there)) found.push_back(there.surfel);
+    });
     return found;
   }
 
-  /// Whether a tile covers a surfel that none covers yet. It lies at a place of the tile's plane,
-  /// and its normal has the cosine `facing` to the plane's.
-  [[nodiscard]] bool covers(const Tile& tile, std::uint32_t index, const PlaneCoordinates& place,
-                            double facing) const {
+  /// Whether a tile covers a surfel that none covers yet.
+  [[nodiscard]] bool covers(const Tile& tile, const SupportPlane& plane,
+                            const SurfelBins::Place& there) const {
+    const PlaneCoordinates place = project_on_plane(plane, there.point);
     const double s = static_cast<double>(tile.spacing);
     const double x = (place.eta - tile.eta0) / s, y = (place.omega - tile.omega0) / s;
     if (!(x >= 0 && y >= 0 && x < tile_cells && y < tile_cells)) return false;
     const auto cell = static_cast<std::uint32_t>(y) * tile_cells + static_cast<std::uint32_t>(x);
-    if (((tile.valid >> cell) & 1U) == 0 || covered_[index] != 0) return false;
+    if (((tile.valid >> cell) & 1U) == 0 || covered_[there.surfel] != 0) return false;
+    const double facing = there.normal.dot(plane.n);
     if (std::abs(patch_height(tile, x, y) - place.depth) * facing > 1.2 * settings_.residual ||
         facing <= 0) {
       return false;

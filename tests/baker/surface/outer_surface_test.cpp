@@ -200,31 +200,20 @@ TEST_CASE("Faces of many triangles that lie on each other are cut along their ou
 
 TEST_CASE(
     "A face that another one lies on goes, and one beside it stays, wherever their diagonals run") {
-  const auto turn_triangles = [](Shape shape) {
-    // The other diagonal of each face.
-    for (std::size_t t = 0; t + 1 < shape.triangles.size(); t += 2) {
-      Triangle &one = shape.triangles[t], &other = shape.triangles[t + 1];
-      const auto apex = [](const Triangle& own, const Triangle& facing) {
-        return *std::find_if(own.begin(), own.end(), [&](std::uint32_t corner) {
-          return std::find(facing.begin(), facing.end(), corner) == facing.end();
-        });
-      };
-      const std::uint32_t a = apex(one, other), b = apex(other, one);
-      while (one[0] != a) std::rotate(one.begin(), one.begin() + 1, one.end());
-      const std::uint32_t c = one[1], d = one[2];
-      one = {a, c, b};
-      other = {a, b, d};
-    }
-    return shape;
+  // The mirrored box is the same, but for the diagonals of its faces.
+  const auto mirrored = [](Shape shape) {
+    for (Vector3& vertex : shape.vertices) vertex.x() = -vertex.x();
+    return turned_inside_out(shape);
   };
-  const Shape large = box({2, 2, 2}), small = moved(box({1, 1, 1}), {0, 0, 1.5});
-  const Shape beside = moved(box({2, 1, 2}), {2, 0, 0});
-  for (const Shape& one : {large, turn_triangles(large)}) {
-    for (const Shape& on : {small, turn_triangles(small)}) {
+  const auto both = [&](const Vector3& size, const Vector3& place) {
+    return std::array{moved(box(size), place), moved(mirrored(box(size)), place)};
+  };
+  for (const Shape& one : both({2, 2, 2}, {0, 0, 0})) {
+    for (const Shape& on : both({1, 1, 1}, {0, 0, 1.5})) {
       CHECK(volume_of(surface_of(merged(one, on))) == Approx(9).epsilon(1e-12));
     }
     // Faces that lie beside each other in one plane stay.
-    for (const Shape& other : {beside, turn_triangles(beside)}) {
+    for (const Shape& other : both({2, 1, 2}, {2, 0, 0})) {
       const OuterSurface surface = surface_of(merged(one, other));
       CHECK(volume_of(surface) == Approx(12).epsilon(1e-12));
       CHECK(open_length(surface) == 0);
