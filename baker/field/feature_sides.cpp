@@ -14,6 +14,7 @@
 #include <tuple>
 #include <utility>
 
+#include "baker/field/narrow_sides.hpp"
 #include "baker/field/triangle_sides.hpp"
 #include "baker/mesh/triangle_height.hpp"
 
@@ -137,10 +138,10 @@ bool is_flat(std::span<const Sector> around) {
 /// The triangles at each side and each corner.
 class Neighbours {
  public:
-  Neighbours(const OuterSurface& surface, const AskedSolid& asked)
+  Neighbours(const OuterSurface& surface, const TriangleSides& sides, const AskedSolid& asked)
       : surface_(surface),
         asked_(asked),
-        sides_(surface.triangles),
+        sides_(sides),
         normals_(surface.triangles.size()),
         faces_(surface.triangles.size()),
         thin_(surface.triangles.size()) {
@@ -239,7 +240,7 @@ class Neighbours {
  private:
   const OuterSurface& surface_;
   AskedSolid asked_;
-  TriangleSides sides_;
+  const TriangleSides& sides_;
   CubeBins corners_;  ///< the triangles of each vertex
   std::vector<Vector3> normals_;
   std::vector<FeatureSide> faces_;
@@ -420,7 +421,8 @@ std::vector<bool> find_folded(const std::vector<Triangle>& triangles) {
 }
 
 std::vector<FeatureSides> find_feature_sides(const OuterSurface& surface, const AskedSolid& asked) {
-  const Neighbours neighbours(surface, asked);
+  const TriangleSides uses(surface.triangles);
+  const Neighbours neighbours(surface, uses, asked);
   std::vector<FeatureSide> corners(surface.vertices.size());
   tbb::parallel_for(std::size_t{0}, corners.size(), [&](std::size_t vertex) {
     corners[vertex] = neighbours.at_corner(static_cast<std::uint32_t>(vertex));
@@ -436,6 +438,7 @@ std::vector<FeatureSides> find_feature_sides(const OuterSurface& surface, const 
                                            pack_side(corner, corners[surface.triangles[t][k]]));
     }
   });
+  cross_beside_narrow(surface, uses, sides);
   return sides;
 }
 

@@ -213,7 +213,13 @@ TEST_CASE(
     "A low triangle that is no sliver keeps its side, also where the surface was displaced by "
     "more") {
   OuterSurface surface = test::surface_of(test::box({0.02, 0.02, 0.02}));
-  const auto [a, b, c] = surface.triangles[0];
+  const std::vector<FeatureSides> whole = sides_of(surface);
+  // From c to a leads the face's own diagonal, which is flat.
+  Triangle& turned = surface.triangles[0];
+  for (unsigned k = 0; side_told(whole[0], static_cast<TriangleFeature>(3 - k), -1) != true; ++k) {
+    std::rotate(turned.begin(), std::next(turned.begin(), 2), turned.end());
+  }
+  const auto [a, b, c] = turned;
   const Vector3 first = surface.vertices[a], across = surface.vertices[b] - surface.vertices[c];
   const Vector3 normal = across.cross(surface.vertices[c] - first).normalized();
   // A strip, 10 um high, is cut off. Above it, nearer than the tolerance, is another box.
@@ -235,6 +241,33 @@ TEST_CASE(
   for (const double height : {-1e-4, 1e-4}) {
     CHECK(side_told(sides[0], TriangleFeature::ca, height) == (height < 0));
   }
+}
+
+TEST_CASE(
+    "A flat side that runs beside an edge of a box from the same corner leaves the side to "
+    "crossings") {
+  OuterSurface surface = test::surface_of(test::box({0.02, 0.02, 0.02}));
+  const std::vector<FeatureSides> whole = sides_of(surface);
+  // The first side that is none of a face's own diagonals.
+  std::size_t k = 0;
+  while (side_told(whole[0], static_cast<TriangleFeature>(1 + k), -1) == true) ++k;
+  const Triangle first = surface.triangles[0];
+  const std::uint32_t p = first[k], q = first[(k + 1) % 3], r = first[(k + 2) % 3];
+  const Vector3 from = surface.vertices[q];
+  const Vector3 inward = (surface.vertices[r] - from) + (surface.vertices[p] - from);
+  const auto cut = static_cast<std::uint32_t>(surface.vertices.size());
+  surface.vertices.push_back(from + 5e-6 * inward.normalized());
+  surface.triangles[0] = {p, q, cut};
+  surface.triangles.push_back({q, r, cut});
+  const auto beside = static_cast<std::uint32_t>(surface.triangles.size());
+  surface.triangles.push_back({r, p, cut});
+  surface.solid_count = surface.triangles.size();
+  const std::vector<FeatureSides> sides = sides_of(surface, 1e-4, 0, 2e-6);
+  // Places beside the edge are outside, also those below the plane of the sliver.
+  CHECK_FALSE(side_told(sides[0], TriangleFeature::ca, -1));
+  CHECK_FALSE(side_told(sides[0], TriangleFeature::ca, 1));
+  CHECK_FALSE(side_told(sides[beside], TriangleFeature::bc, -1));
+  CHECK(side_told(sides[0], TriangleFeature::ab, -1) == false);
 }
 
 TEST_CASE("Around a box all sides and corners are convex, and the faces' own diagonals are flat") {
