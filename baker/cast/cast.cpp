@@ -11,6 +11,7 @@
 #include <optional>
 
 #include "baker/base/bake_error.hpp"
+#include "baker/mesh/mesh_edges.hpp"
 #include "baker/mesh/winding_number.hpp"
 #include "common/surface/closest_on_triangle.hpp"
 
@@ -64,11 +65,23 @@ struct Caster::Implementation {
   std::shared_ptr<const ClosedSurfaces> sides;
   std::unique_ptr<Caster> whole;
   std::optional<WindingNumber> winding;
+  /// By triangle, whether it has a corner at which the solids do not close, as where a gap went
+  /// whose walls stand some rounding apart; empty where they close everywhere.
+  std::vector<char> at_open;
 
   ~Implementation() {
     if (rays != nullptr) rtcReleaseScene(rays);
     if (points != nullptr) rtcReleaseScene(points);
     if (device != nullptr) rtcReleaseDevice(device);
+  }
+
+  void find_open(std::size_t vertices, const std::vector<Triangle>& solids) {
+    const std::vector<char> open = open_vertices(vertices, solids);
+    if (std::find(open.begin(), open.end(), 1) == open.end()) return;
+    for (const Triangle& triangle : solids) {
+      at_open.push_back(std::any_of(triangle.begin(), triangle.end(),
+                                    [&](std::uint32_t corner) { return open[corner] != 0; }));
+    }
   }
 
   RTCScene make_scene(std::size_t count, bool collecting) {
@@ -217,7 +230,9 @@ Caster::Caster(const OuterSurface& surface, double sheet_thickness)
     self.whole = std::make_unique<Caster>(whole);
     self.sides = surface.sides;
   } else {
-    self.winding.emplace(surface.vertices, std::span(surface.triangles).first(self.solid_count));
+    const auto solids = std::span(surface.triangles).first(self.solid_count);
+    self.winding.emplace(surface.vertices, solids);
+    self.find_open(surface.vertices.size(), {solids.begin(), solids.end()});
   }
   self.device = rtcNewDevice(nullptr);
   if (self.device == nullptr) throw BakeError(ExitCode::internal, "Embree could not be started");
@@ -347,7 +362,8 @@ ClosestPoint Caster::closest(const Vector3& point) const {
     if (candidate.distance > search.nearest_solid + search.tie) continue;
     const double height = self.normals[candidate.triangle].dot(point - candidate.closest_point);
     (height < 0 ? voted_inside : voted_outside) = true;
-    in_doubt = in_doubt || (self.sides && self.sides->doubtful[candidate.triangle] != 0);
+    in_doubt = in_doubt || (self.sides && self.sides->doubtful[candidate.triangle] != 0) ||
+               (!self.at_open.empty() && self.at_open[candidate.triangle] != 0);
   }
   if (solid == nullptr && sheet == nullptr) {
     throw BakeError(ExitCode::internal, "the surface has no triangle");
@@ -380,7 +396,9 @@ ClosestPoint Caster::closest(const Vector3& point) const {
 
 bool Caster::is_inside(const Vector3& point) const {
   const Caster& all = whole() != nullptr ? *whole() : *this;
-  const std::optional<bool> told = all.side_by_rays(point);
+  // A ray may leave solids where they do not close.
+  const bool closes = all.implementation_->at_open.empty();
+  const std::optional<bool> told = closes ? all.side_by_rays(point) : std::nullopt;
   return told ? *told : all.winding(point) > 0.5;
 }
 

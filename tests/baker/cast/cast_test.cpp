@@ -1,8 +1,13 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "baker/cast/cast.hpp"
 
+#include <algorithm>
 #include <catch2/catch.hpp>
+#include <cmath>
+#include <cstdint>
 #include <optional>
+#include <utility>
+#include <vector>
 
 #include "common/base/random.hpp"
 #include "common/surface/support_plane_mapping.hpp"
@@ -167,6 +172,42 @@ TEST_CASE("A ray that passes an edge within rounding tells nothing wrong of the 
     wrong += caster.is_inside(place) == inside ? 0 : 1;
   }
   CHECK(wrong == 0);
+}
+
+TEST_CASE("A place inside is told so where the end of a wall before a closed gap is nearest") {
+  // The lower top ends 1.3 um within the upper wall, which begins 2 um above it; no wall between.
+  const double foot = 0.005, end = foot - 1.3e-6;
+  test::Shape shape = test::moved(test::box({0.02, 0.02, 0.01}), {0, 0, -0.005});
+  const auto drop_flat = [](test::Shape& box, double height) {
+    std::erase_if(box.triangles, [&](const auto& triangle) {
+      return std::all_of(triangle.begin(), triangle.end(), [&](std::uint32_t corner) {
+        return std::abs(box.vertices[corner].z() - height) < 1e-9;
+      });
+    });
+  };
+  drop_flat(shape, 0);
+  test::Shape upper = test::moved(test::box({2 * foot, 2 * foot, 0.01}), {0, 0, 0.005 + 2e-6});
+  drop_flat(upper, 2e-6);
+  shape = test::merged(shape, upper);
+  const auto first = static_cast<std::uint32_t>(shape.vertices.size());
+  for (const double half : {0.01, end}) {
+    for (const auto& [x, y] : {std::pair(-1, -1), {1, -1}, {1, 1}, {-1, 1}}) {
+      shape.vertices.emplace_back(half * x, half * y, 0);
+    }
+  }
+  for (std::uint32_t k = 0; k < 4; ++k) {
+    const std::uint32_t next = (k + 1) % 4;
+    shape.triangles.push_back({first + k, first + next, first + 4 + next});
+    shape.triangles.push_back({first + k, first + 4 + next, first + 4 + k});
+  }
+  const Caster caster(surface_of(shape));
+  for (const double x : {-0.0045, -0.0042, 0.0042, 0.0045}) {
+    for (const double height : {1e-6, 3e-6, 6e-6}) {
+      CHECK(caster.closest({x, 0.0011, height}).solid < 0);
+      CHECK(caster.closest({0.0011, x, height}).solid < 0);
+    }
+    CHECK(caster.closest({2 * x, 0.0011, 1e-3}).solid > 0);
+  }
 }
 
 }  // namespace
