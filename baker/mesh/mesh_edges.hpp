@@ -54,6 +54,10 @@ void for_each_edge(const std::vector<HalfEdge>& edges, Visit visit) {
          std::ssize(users);
 }
 
+/// The sides of triangles, each once, but for those between two that face the same way.
+[[nodiscard]] std::vector<HalfEdge> outline(std::span<const Vector3> vertices,
+                                            const std::vector<Triangle>& triangles);
+
 /// Of each of so many vertices, whether a side that ends there is passed more often one way than
 /// the other.
 [[nodiscard]] std::vector<char> open_vertices(std::size_t vertices,

@@ -8,7 +8,6 @@
 #include <map>
 #include <numeric>
 #include <optional>
-#include <tuple>
 #include <utility>
 
 #include "baker/mesh/mesh_edges.hpp"
@@ -240,30 +239,6 @@ class Turner {
 
 }  // namespace
 
-std::vector<HalfEdge> sorted_edges(const std::vector<Triangle>& triangles) {
-  std::vector<HalfEdge> edges;
-  edges.reserve(triangles.size() * 3);
-  for (std::uint32_t t = 0; t < triangles.size(); ++t) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::uint32_t from = triangles[t][k];
-      const std::uint32_t to = triangles[t][(k + 1) % 3];
-      edges.push_back({std::min(from, to), std::max(from, to), t, from < to});
-    }
-  }
-  tbb::parallel_sort(edges.begin(), edges.end(), [](const HalfEdge& a, const HalfEdge& b) {
-    return std::tie(a.low, a.high, a.triangle) < std::tie(b.low, b.high, b.triangle);
-  });
-  return edges;
-}
-
-Groups parts_over(const std::vector<HalfEdge>& edges, std::size_t triangles) {
-  Groups parts(triangles);
-  for_each_edge(edges, [&](std::span<const HalfEdge> users) {
-    for (const HalfEdge& user : users.subspan(1)) parts.join(users[0].triangle, user.triangle);
-  });
-  return parts;
-}
-
 Orientation orient(std::span<const Vector3> points, std::vector<Triangle>& triangles) {
   Orientation orientation;
   const std::vector<HalfEdge> edges = sorted_edges(triangles);
@@ -284,15 +259,6 @@ Counted turn_parts(std::span<const Vector3> points, std::span<const std::uint32_
   Counted turned;
   Turner(points, triangles, patches).run(turned);
   return turned;
-}
-
-std::vector<char> open_vertices(std::size_t vertices, const std::vector<Triangle>& triangles) {
-  std::vector<char> open(vertices, 0);
-  for_each_edge(sorted_edges(triangles), [&](std::span<const HalfEdge> users) {
-    if (users[0].low == users[0].high || is_balanced(users)) return;
-    open[users[0].low] = open[users[0].high] = 1;
-  });
-  return open;
 }
 
 }  // namespace spm::baker

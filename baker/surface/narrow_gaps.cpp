@@ -23,6 +23,12 @@ constexpr double least_step = 1e-9;
 /// From place to place along a sliver, in widths of a gap, and how many there are at most.
 constexpr double sliver_spacing = 25, most_of_sliver = 64;
 
+[[nodiscard]] Eigen::AlignedBox3d box_around(std::span<const Vector3> places, double margin) {
+  Eigen::AlignedBox3d box;
+  for (const Vector3& place : places) box.extend(place);
+  return {box.min().array() - margin, box.max().array() + margin};
+}
+
 class Gaps {
  public:
   Gaps(const Mesh& mesh, std::span<const TrianglePair> facing,
@@ -37,6 +43,11 @@ class Gaps {
     std::sort(members.begin(), members.end());
     members.erase(std::unique(members.begin(), members.end()), members.end());
     facing_ = CubeBins(mesh.triangles.size(), members);
+    for (const auto& [one, other] : facing) {
+      Eigen::AlignedBox3d between = box_around(corners(one), 2 * narrow);
+      between.clamp(box_around(corners(other), 2 * narrow));
+      gaps_.push_back(between);
+    }
   }
 
   /// Those that face a triangle of the mesh, or others that it was cut with.
@@ -44,17 +55,13 @@ class Gaps {
     return facing_.of(triangle, triangle);
   }
   /// The sides of those that face a triangle of the mesh, but for sides between two of them.
-  [[nodiscard]] std::vector<std::array<Vector3, 2>> outline(std::uint32_t triangle) const {
+  [[nodiscard]] std::vector<std::array<Vector3, 2>> outline_over(std::uint32_t triangle) const {
     std::vector<Triangle> others;
     for (const std::uint32_t other : facing(triangle)) others.push_back(mesh_.triangles[other]);
     std::vector<std::array<Vector3, 2>> sides;
-    for_each_edge(sorted_edges(others), [&](std::span<const HalfEdge> users) {
-      if (users.size() == 2 && users[0].forward != users[1].forward &&
-          normal(others[users[0].triangle]).dot(normal(others[users[1].triangle])) > 0) {
-        return;
-      }
-      sides.push_back({mesh_.vertices[users[0].low], mesh_.vertices[users[0].high]});
-    });
+    for (const HalfEdge& side : outline(mesh_.vertices, others)) {
+      sides.push_back({mesh_.vertices[side.low], mesh_.vertices[side.high]});
+    }
     return sides;
   }
 
@@ -72,6 +79,7 @@ class Gaps {
     if (triangle_height(a, b, c) > narrow_) {
       return !is_faced(middle, whole.parent) || !is_covered(middle, normal);
     }
+    if (!is_near_gap(piece)) return true;
     const std::array<Vector3, 3> long_first = from_longest_side(piece);
     const Vector3 along = long_first[1] - long_first[0];
     const Vector3 step = narrow_ * along.stableNormalized(), across = normal.cross(step);
@@ -96,6 +104,12 @@ class Gaps {
     });
   }
 
+  [[nodiscard]] bool is_near_gap(const std::array<Vector3, 3>& piece) const {
+    const Eigen::AlignedBox3d box = box_around(piece, 0);
+    return std::any_of(gaps_.begin(), gaps_.end(),
+                       [&](const Eigen::AlignedBox3d& gap) { return gap.intersects(box); });
+  }
+
   /// Whether a solid lies over a place, also where there is another gap behind the next wall.
   [[nodiscard]] bool is_covered(const Vector3& place, const Vector3& normal) const {
     constexpr std::array<double, 3> shares{1, 0.25, 0.0625};
@@ -108,10 +122,6 @@ class Gaps {
   [[nodiscard]] std::array<Vector3, 3> corners(std::uint32_t triangle) const {
     const auto& [a, b, c] = mesh_.triangles[triangle];
     return {mesh_.vertices[a], mesh_.vertices[b], mesh_.vertices[c]};
-  }
-  [[nodiscard]] Vector3 normal(const Triangle& triangle) const {
-    const Vector3& from = mesh_.vertices[triangle[0]];
-    return (mesh_.vertices[triangle[1]] - from).cross(mesh_.vertices[triangle[2]] - from);
   }
 
   /// The same corners in the same order, from where the longest side begins.
@@ -133,13 +143,8 @@ class Gaps {
   double narrow_;  ///< m
   const WindingNumber& winding_;
   CubeBins facing_;
+  std::vector<Eigen::AlignedBox3d> gaps_;  ///< around the gap between each two
 };
-
-[[nodiscard]] Eigen::AlignedBox3d box_around(std::span<const Vector3> places, double margin) {
-  Eigen::AlignedBox3d box;
-  for (const Vector3& place : places) box.extend(place);
-  return {box.min().array() - margin, box.max().array() + margin};
-}
 
 }  // namespace
 
@@ -154,7 +159,7 @@ Felt without_narrow_gaps(const Mesh& mesh, std::span<const TrianglePair> facing,
   for (std::uint32_t t = 0; t < triangles.size(); ++t) {
     whole.push_back(triangles[t].corners);
     const std::uint32_t parent = triangles[t].parent;
-    if (t == 0 || parent != triangles[t - 1].parent) outline = gaps.outline(parent);
+    if (t == 0 || parent != triangles[t - 1].parent) outline = gaps.outline_over(parent);
     const auto& [a, b, c] = triangles[t].corners;
     const std::array<Vector3, 3> corners{points[a], points[b], points[c]};
     const Eigen::AlignedBox3d box = box_around(corners, narrow);
@@ -171,19 +176,26 @@ Felt without_narrow_gaps(const Mesh& mesh, std::span<const TrianglePair> facing,
   });
   Felt left;
   for (std::size_t begin = 0; begin < felt.size();) {
-    const LooseTriangle& parent = triangles[split.parents[begin]];
+    const LooseTriangle& first = triangles[split.parents[begin]];
+    // Nothing has to meet a sheet's cuts.
+    const auto is_of_one = [&](std::size_t piece) {
+      const LooseTriangle& other = triangles[split.parents[piece]];
+      return first.sheet ? other.parent == first.parent
+                         : split.parents[piece] == split.parents[begin];
+    };
     std::size_t end = begin;
-    while (end < felt.size() && split.parents[end] == split.parents[begin]) ++end;
+    while (end < felt.size() && is_of_one(end)) ++end;
     const auto from = felt.begin() + static_cast<std::ptrdiff_t>(begin);
     if (std::all_of(from, felt.begin() + static_cast<std::ptrdiff_t>(end),
                     [](char kept) { return kept != 0; })) {
-      left.triangles.push_back(parent);
+      left.triangles.push_back(first);
+      if (first.sheet) left.triangles.back().corners = mesh.triangles[first.parent];
       begin = end;
     }
     for (; begin < end; ++begin) {
       const auto& [a, b, c] = split.pieces[begin];
       if (felt[begin] != 0) {
-        left.triangles.push_back(parent);
+        left.triangles.push_back(first);
         left.triangles.back().corners = split.pieces[begin];
       } else {
         ++left.hidden;

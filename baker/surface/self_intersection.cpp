@@ -57,7 +57,7 @@ class PairTest {
     if (first >= solids_) return false;
     const double along = up.dot(other), turned = second < solids_ ? along : -std::abs(along);
     if (!(turned < facing_cosine * up.norm() * other.norm())) return false;
-    return (is_near(a, b) || is_near(b, a)) && cover(a, b);
+    return (is_near(a, b) || is_near(b, a)) && cover(a, b) && !in_one_plane(a, b);
   }
 
  private:
@@ -71,6 +71,13 @@ class PairTest {
     const Vector3 up = normal(other).normalized();
     return std::all_of(one.begin(), one.end(), [&](std::uint32_t corner) {
       return std::abs(up.dot(points_[corner] - points_[other[0]])) <= near_;
+    });
+  }
+
+  /// Whether there is no gap at all: what lies on each other is cut as one.
+  [[nodiscard]] bool in_one_plane(const Triangle& a, const Triangle& b) const {
+    return std::all_of(b.begin(), b.end(), [&](std::uint32_t corner) {
+      return CGAL::coplanar(point(a[0]), point(a[1]), point(a[2]), point(corner));
     });
   }
 

@@ -5,6 +5,7 @@
 #define CGAL_NO_CDT_2_WARNING
 #include <CGAL/Constrained_Delaunay_triangulation_2.h>
 #include <CGAL/Constrained_triangulation_face_base_2.h>
+#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Triangulation_face_base_with_info_2.h>
 #include <CGAL/Triangulation_vertex_base_with_info_2.h>
 
@@ -25,6 +26,8 @@ namespace spm::baker {
 namespace {
 
 using Exact = ExactKernel;
+/// Of places as they are given, where nothing is constructed.
+using Plain = CGAL::Exact_predicates_inexact_constructions_kernel;
 using Vertex = CGAL::Triangulation_vertex_base_with_info_2<std::uint32_t, Exact>;
 using Face = CGAL::Constrained_triangulation_face_base_2<
     Exact, CGAL::Triangulation_face_base_with_info_2<int, Exact>>;
@@ -58,6 +61,9 @@ class Projection {
   [[nodiscard]] Exact::Point_2 down(const Exact::Point_3& p) const {
     return {p[first_], p[second_]};
   }
+
+  /// The same of a place as it is given.
+  [[nodiscard]] Plain::Point_2 down(const Vector3& p) const { return {p[first_], p[second_]}; }
 
   /// The point of the plane over q.
   [[nodiscard]] Exact::Point_3 up(const Exact::Point_2& q) const {
@@ -95,8 +101,29 @@ struct Cuts {
   std::array<Exact::Point_2, 3> flat;  ///< the first one's corners
   std::vector<Exact::Point_2> points;
   std::vector<std::pair<Exact::Point_2, Exact::Point_2>> segments;
-  Sides sides;  ///< of others in its plane, for sheets
+  Sides sides;                       ///< of others in its plane, for sheets
+  std::set<std::uint32_t> touching;  ///< corners of others that touch them
+  Sides edges;                       ///< the same, as a whole
 };
+
+/// Whether a segment passes the inside of a triangle: neither a side nor the segment has both
+/// apart.
+[[nodiscard]] bool passes_within(const std::array<Plain::Point_2, 3>& triangle,
+                                 const Plain::Point_2& from, const Plain::Point_2& to) {
+  const CGAL::Orientation turn = CGAL::orientation(triangle[0], triangle[1], triangle[2]);
+  bool is_left = false, is_right = false;
+  for (std::size_t k = 0; k < 3; ++k) {
+    const Plain::Point_2 &corner = triangle[k], &next = triangle[(k + 1) % 3];
+    if (CGAL::orientation(corner, next, from) != turn &&
+        CGAL::orientation(corner, next, to) != turn) {
+      return false;
+    }
+    const CGAL::Orientation beside = CGAL::orientation(from, to, corner);
+    is_left = is_left || beside == CGAL::LEFT_TURN;
+    is_right = is_right || beside == CGAL::RIGHT_TURN;
+  }
+  return is_left && is_right;
+}
 
 /// A triangle of some that lie on each other, as it is seen along their projection.
 struct Member {
@@ -150,36 +177,45 @@ class Splitter {
     if (std::any_of(flat.begin(), flat.end(), [](char is_flat) { return is_flat != 0; })) {
       find_inner_sides();
     }
+    std::map<std::uint32_t, std::vector<Triangle>> on_sheets;
     for (std::size_t i = 0; i < pairs.size(); ++i) {
       const auto [first, second] = pairs[i];
-      if (flat[i] == 0) {
-        cut_along_trace(first, second);
-      } else if (second >= solids_) {
-        cut_along_sides(second, first);
+      const bool is_sheet = second >= solids_;
+      if (is_sheet && flat[i] != 0) {
+        on_sheets[second].push_back(triangles_[first]);
+      } else if (is_sheet) {
+        cut_sheet(second, first);
+      } else if (flat[i] == 0) {
+        cut_solids(first, second);
       } else {
         (void)cuts_of(first);
       }
     }
+    for (const auto& [sheet, solids] : on_sheets) {
+      for (const HalfEdge& side : outline(points_, solids)) cut_once(sheet, side.low, side.high);
+    }
   }
 
-  /// Cuts a triangle along a segment, as seen along the axis that is closest to its normal, and
-  /// where `touching` also at the one point that they share. A triangle that rounding left on a
-  /// line is not cut.
-  void cut(std::uint32_t index, const std::array<Vector3, 2>& segment, bool touching) {
+  /// Cuts a triangle along a segment, as seen along the axis that is closest to its normal. A
+  /// triangle that rounding left on a line is not cut.
+  void cut(std::uint32_t index, const std::array<Vector3, 2>& segment) {
     if (!cuts_.contains(index)) {
       const std::array<Exact::Point_3, 3> own = corners(index);
       if (CGAL::collinear(own[0], own[1], own[2])) return;
     }
     Cuts& own = cuts_of(index);
+    const auto& [a, b, c] = triangles_[index];
+    const auto plain = [&](const Vector3& place) { return own.projection.down(place); };
+    if (!passes_within({plain(points_[a]), plain(points_[b]), plain(points_[c])}, plain(segment[0]),
+                       plain(segment[1]))) {
+      return;
+    }
     const Exact::Segment_2 seen(own.down(exact_point(segment[0])),
                                 own.down(exact_point(segment[1])));
-    if (seen.is_degenerate()) return;
     const CGAL::Object common =
         CGAL::intersection(Exact::Triangle_2(own.flat[0], own.flat[1], own.flat[2]), seen);
     if (const auto* part = CGAL::object_cast<Exact::Segment_2>(&common)) {
       own.segments.emplace_back(part->source(), part->target());
-    } else if (const auto* point = CGAL::object_cast<Exact::Point_2>(&common); touching && point) {
-      own.points.push_back(*point);
     }
   }
 
@@ -218,12 +254,26 @@ class Splitter {
     return {a, b, c};
   }
 
+  [[nodiscard]] Plain::Point_3 plain(std::uint32_t point) const {
+    const Vector3& p = points_[point];
+    return {p.x(), p.y(), p.z()};
+  }
+
+  /// On which side of a triangle's plane the corners of another lie.
+  [[nodiscard]] std::array<CGAL::Orientation, 3> beside_plane(std::uint32_t plane,
+                                                              std::uint32_t other) const {
+    const auto& [a, b, c] = triangles_[plane];
+    const Plain::Point_3 p = plain(a), q = plain(b), r = plain(c);
+    std::array<CGAL::Orientation, 3> sides{};
+    std::transform(triangles_[other].begin(), triangles_[other].end(), sides.begin(),
+                   [&](std::uint32_t corner) { return CGAL::orientation(p, q, r, plain(corner)); });
+    return sides;
+  }
+
   [[nodiscard]] bool in_one_plane(std::uint32_t first, std::uint32_t second) const {
-    const auto [a, b, c] = corners(first);
-    const std::array<Exact::Point_3, 3> other = corners(second);
-    return std::all_of(other.begin(), other.end(), [&, &a = a, &b = b, &c = c](const auto& corner) {
-      return CGAL::coplanar(a, b, c, corner);
-    });
+    const std::array<CGAL::Orientation, 3> beside = beside_plane(first, second);
+    return std::all_of(beside.begin(), beside.end(),
+                       [](CGAL::Orientation side) { return side == CGAL::ZERO; });
   }
 
   Cuts& cuts_of(std::uint32_t index) {
@@ -252,28 +302,113 @@ class Splitter {
     });
   }
 
-  /// Cuts two triangles that are not in one plane along what they share, of a sheet alone.
-  void cut_along_trace(std::uint32_t first, std::uint32_t second) {
+  /// The corners of a triangle that touches another's plane, and does not pass it, where it does.
+  [[nodiscard]] std::vector<std::uint32_t> corners_in_plane(std::uint32_t plane,
+                                                            std::uint32_t other) const {
+    const std::array<CGAL::Orientation, 3> beside = beside_plane(plane, other);
+    const auto [least, most] = std::minmax_element(beside.begin(), beside.end());
+    if (*least == CGAL::NEGATIVE && *most == CGAL::POSITIVE) return {};
+    std::vector<std::uint32_t> found;
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (beside[k] == CGAL::ZERO) found.push_back(triangles_[other][k]);
+    }
+    return found;
+  }
+
+  [[nodiscard]] bool is_inner(std::uint32_t from, std::uint32_t to) const {
+    return inner_.contains(std::minmax(from, to));
+  }
+
+  /// Cuts a triangle, and those that are cut as one with another that it touches with a corner or
+  /// a side: with a side as a whole, as long as that passes no outline of theirs but where the
+  /// triangle is cut too. False where the two are to be cut along what they share.
+  bool cut_where_touched(std::uint32_t index, std::uint32_t plane) {
+    const std::vector<std::uint32_t> touching = corners_in_plane(plane, index);
+    if (touching.size() == 1) return cut_at_corner(touching[0], plane);
+    return touching.size() == 2 && cut_along_side(index, {touching[0], touching[1]}, plane);
+  }
+
+  bool cut_at_corner(std::uint32_t corner, std::uint32_t plane) {
+    Cuts& cuts = cuts_of(plane);
+    const auto seen = [&](std::uint32_t point) { return cuts.projection.down(points_[point]); };
+    const auto& [a, b, c] = triangles_[plane];
+    const Plain::Triangle_2 flat(seen(a), seen(b), seen(c));
+    if (!flat.has_on_unbounded_side(seen(corner))) cuts.touching.insert(corner);
+    return true;
+  }
+
+  bool cut_along_side(std::uint32_t index, const std::array<std::uint32_t, 2>& side,
+                      std::uint32_t plane) {
+    const Triangle& in_plane = triangles_[plane];
+    const auto [a, b, c] = in_plane;
+    if (!is_inner(a, b) && !is_inner(b, c) && !is_inner(c, a)) return false;
+    Cuts& cuts = cuts_of(plane);
+    const auto seen = [&](std::uint32_t point) { return cuts.projection.down(points_[point]); };
+    const Plain::Point_2 from = seen(side[0]), to = seen(side[1]);
+    const std::array<Plain::Point_2, 3> flat{seen(a), seen(b), seen(c)};
+    if (!passes_within(flat, from, to)) return false;
+    std::array<CGAL::Orientation, 3> beside{};
+    for (std::size_t k = 0; k < 3; ++k) {
+      beside[k] = CGAL::orientation(from, to, flat[k]);
+      if (beside[k] == CGAL::ZERO) return false;
+    }
+    std::vector<std::array<std::uint32_t, 2>> outlines;
+    for (std::size_t k = 0; k < 3; ++k) {
+      const std::size_t next = (k + 1) % 3;
+      if (beside[k] == beside[next] || is_inner(in_plane[k], in_plane[next])) continue;
+      if (CGAL::orientation(flat[k], flat[next], from) ==
+          CGAL::orientation(flat[k], flat[next], to)) {
+        continue;
+      }
+      outlines.push_back({in_plane[k], in_plane[next]});
+    }
+    cuts.edges.insert(std::minmax(side[0], side[1]));
+    Cuts& own = cuts_of(index);
+    own.edges.insert(std::minmax(side[0], side[1]));
+    for (const auto& outline : outlines) {
+      const CGAL::Object common = CGAL::intersection(segment(side), segment(outline));
+      if (const auto* point = CGAL::object_cast<Exact::Point_3>(&common)) {
+        own.points.push_back(own.down(*point));
+      }
+    }
+    return true;
+  }
+
+  [[nodiscard]] Exact::Segment_3 segment(const std::array<std::uint32_t, 2>& ends) const {
+    return {exact_point(points_[ends[0]]), exact_point(points_[ends[1]])};
+  }
+
+  /// Cuts two triangles of solids that are not in one plane along what they share.
+  void cut_solids(std::uint32_t first, std::uint32_t second) {
+    if (cut_where_touched(first, second) || cut_where_touched(second, first)) return;
     // An Object, since CGAL 5 and 6 return variants of different libraries.
     const CGAL::Object common = CGAL::intersection(triangle(first), triangle(second));
     for (const std::uint32_t side : {first, second}) {
-      if (second >= solids_ && side == first) continue;
+      Cuts& own = cuts_of(side);
       if (const auto* point = CGAL::object_cast<Exact::Point_3>(&common)) {
-        Cuts& own = cuts_of(side);
         own.points.push_back(own.down(*point));
       } else if (const auto* segment = CGAL::object_cast<Exact::Segment_3>(&common)) {
-        Cuts& own = cuts_of(side);
         own.segments.emplace_back(own.down(segment->source()), own.down(segment->target()));
       }
     }
   }
 
-  void cut_along_sides(std::uint32_t index, std::uint32_t other) {
-    const Triangle& there = triangles_[other];
-    for (std::size_t k = 0; k < 3; ++k) {
-      const auto side = std::minmax(there[k], there[(k + 1) % 3]);
-      if (!cuts_of(index).sides.insert(side).second) continue;
-      cut(index, {points_[side.first], points_[side.second]}, true);
+  /// Cuts a sheet where a triangle of a solid that is not in its plane passes it.
+  void cut_sheet(std::uint32_t sheet, std::uint32_t solid) {
+    const std::vector<std::uint32_t> touching = corners_in_plane(sheet, solid);
+    if (touching.size() == 2) cut_once(sheet, touching[0], touching[1]);
+    if (!touching.empty()) return;
+    const CGAL::Object common = CGAL::intersection(triangle(sheet), triangle(solid));
+    if (const auto* segment = CGAL::object_cast<Exact::Segment_3>(&common)) {
+      Cuts& own = cuts_of(sheet);
+      own.segments.emplace_back(own.down(segment->source()), own.down(segment->target()));
+    }
+  }
+
+  /// Cuts a sheet along a side in its plane, which several triangles may have.
+  void cut_once(std::uint32_t sheet, std::uint32_t from, std::uint32_t to) {
+    if (cuts_of(sheet).sides.insert(std::minmax(from, to)).second) {
+      cut(sheet, {points_[from], points_[to]});
     }
   }
 
@@ -289,6 +424,13 @@ class Splitter {
     }
     for (const Exact::Point_2& point : cuts.points) triangulation.insert(point);
     for (const auto& [from, to] : cuts.segments) triangulation.insert_constraint(from, to);
+    for (const std::uint32_t corner : cuts.touching) {
+      triangulation.insert(cuts.down(exact_point(points_[corner])));
+    }
+    for (const auto& [from, to] : cuts.edges) {
+      triangulation.insert_constraint(cuts.down(exact_point(points_[from])),
+                                      cuts.down(exact_point(points_[to])));
+    }
     if (triangles.size() > 1) add_outlines(triangulation, ends);
     for (const auto vertex : triangulation.finite_vertex_handles()) {
       vertex->info() = number(cuts.projection.up(vertex->point()));
@@ -442,7 +584,7 @@ SplitMesh split_triangles(std::span<const Vector3> points, std::span<const Trian
 SplitMesh cut_as_seen(std::span<const Vector3> points, std::span<const Triangle> triangles,
                       std::span<const SeenCut> cuts) {
   Splitter splitter(points, triangles, triangles.size());
-  for (const auto& [triangle, segment] : cuts) splitter.cut(triangle, segment, false);
+  for (const auto& [triangle, segment] : cuts) splitter.cut(triangle, segment);
   SplitMesh split = splitter.finish();
   std::size_t kept = 0;
   for (std::size_t piece = 0; piece < split.pieces.size(); ++piece) {

@@ -55,30 +55,80 @@ struct Frame {
 
 using Segment = std::pair<Vector2, Vector2>;
 
-/// Where a triangle meets a plane: a segment, its three edges where it lies in the plane, or empty.
-std::vector<Segment> meeting(const Frame& frame, const Corners& other, double touching) {
+/// A side of a triangle of the mesh that lies in the plane of one that is cut, or over it.
+struct SideInPlane {
+  std::uint32_t from = 0, to = 0;  ///< vertices
+  /// Of a triangle that lies there whole, whether it turns as the one that is cut.
+  enum class Of : std::uint8_t { passing, turning_alike, turning_back } of = Of::passing;
+
+  [[nodiscard]] std::pair<std::uint32_t, std::uint32_t> ends() const {
+    return std::minmax(from, to);
+  }
+};
+
+/// What cuts a triangle.
+struct Traces {
+  std::vector<Segment> segments;
+  std::vector<SideInPlane> sides;
+
+  void add_whole(const Triangle& other, bool alike) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      sides.push_back({other[k], other[(k + 1) % 3],
+                       alike ? SideInPlane::Of::turning_alike : SideInPlane::Of::turning_back});
+    }
+  }
+
+  /// The sides, each once, but for those between two triangles that turn alike.
+  void keep_outlines() {
+    std::sort(sides.begin(), sides.end(),
+              [](const SideInPlane& a, const SideInPlane& b) { return a.ends() < b.ends(); });
+    std::vector<SideInPlane> kept;
+    for (auto first = sides.begin(); first != sides.end();) {
+      const auto last = std::find_if(first, sides.end(), [&](const SideInPlane& side) {
+        return side.ends() != first->ends();
+      });
+      const SideInPlane& next = *std::prev(last);
+      const bool is_between = last - first == 2 && first->from == next.to && first->of == next.of &&
+                              first->of != SideInPlane::Of::passing;
+      if (!is_between) kept.push_back(*first);
+      first = last;
+    }
+    sides = std::move(kept);
+  }
+};
+
+/// Where a triangle meets a plane: a segment, a side of it, or all three where it lies in the
+/// plane. Whether it does that.
+bool add_meeting(const Frame& frame, const Corners& other, const Triangle& numbers, double touching,
+                 Traces& traces) {
   std::array<double, 3> height{};
+  std::size_t in_plane = 0;
   for (std::size_t i = 0; i < 3; ++i) {
     height[i] = frame.height(other[i]);
     if (std::abs(height[i]) <= touching) height[i] = 0;
+    in_plane += height[i] == 0 ? 1 : 0;
   }
-  std::vector<Segment> segments;
-  // A plane passes no more than three corners and sides of a triangle; most that are near it none.
-  std::array<Vector2, 3> points;
+  if (in_plane == 3) {
+    traces.add_whole(numbers, frame.n.dot(normal_of(other)) > 0);
+    return true;
+  }
+  // A plane passes no more than two places of a triangle's border; most that are near it none.
+  std::array<Vector2, 2> points;
   std::size_t count = 0;
   for (std::size_t i = 0; i < 3; ++i) {
     const std::size_t j = (i + 1) % 3;
+    if (height[i] == 0 && height[j] == 0) {
+      traces.sides.push_back({numbers[i], numbers[j]});
+      return false;
+    }
     if (height[i] == 0) points[count++] = frame.flat(other[i]);
     if (height[i] * height[j] < 0) {
       const double share = height[i] / (height[i] - height[j]);
       points[count++] = frame.flat(other[i] + share * (other[j] - other[i]));
     }
   }
-  if (count == 2) segments.emplace_back(points[0], points[1]);
-  if (count == 3) {
-    for (std::size_t i = 0; i < 3; ++i) segments.emplace_back(points[i], points[(i + 1) % 3]);
-  }
-  return segments;
+  if (count == 2) traces.segments.emplace_back(points[0], points[1]);
+  return false;
 }
 
 /// Whether a triangle faces the one of a frame, or lies along it
@@ -325,17 +375,21 @@ SurfacePieces outer_pieces(const Mesh& mesh, const ExactWinding& winding, double
     const Frame frame(own);
     kinds[i].sheet = i >= mesh.solid_triangles();
     polygons[i] = {{frame.flat(own[0]), frame.flat(own[1]), frame.flat(own[2])}};
+    Traces traces;
     for (const std::uint32_t other : near.of(i, i)) {
       if (other >= mesh.solid_triangles()) continue;
       const Corners there = corners_of(mesh, other);
-      for (const Segment& segment : meeting(frame, there, scale.touching)) {
-        cut(polygons[i], segment, scale.touching);
-      }
+      const Triangle& numbers = mesh.triangles[other];
+      const bool in_plane = add_meeting(frame, there, numbers, scale.touching, traces);
       if (!faces(frame, own, there, narrow, kinds[i].sheet)) continue;
       if (!kinds[i].sheet) kinds[i].facing.push_back(there);
-      for (std::size_t k = 0; k < 3; ++k) {
-        cut(polygons[i], {frame.flat(there[k]), frame.flat(there[(k + 1) % 3])}, scale.touching);
-      }
+      if (!in_plane) traces.add_whole(numbers, frame.n.dot(normal_of(there)) > 0);
+    }
+    traces.keep_outlines();
+    for (const Segment& segment : traces.segments) cut(polygons[i], segment, scale.touching);
+    for (const SideInPlane& side : traces.sides) {
+      cut(polygons[i], {frame.flat(mesh.vertices[side.from]), frame.flat(mesh.vertices[side.to])},
+          scale.touching);
     }
   });
   const bool whole = std::all_of(polygons.begin(), polygons.end(),
