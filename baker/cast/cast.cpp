@@ -396,9 +396,7 @@ ClosestPoint Caster::closest(const Vector3& point) const {
 
 bool Caster::is_inside(const Vector3& point) const {
   const Caster& all = whole() != nullptr ? *whole() : *this;
-  // A ray may leave solids where they do not close.
-  const bool closes = all.implementation_->at_open.empty();
-  const std::optional<bool> told = closes ? all.side_by_rays(point) : std::nullopt;
+  const std::optional<bool> told = all.side_by_rays(point);
   return told ? *told : all.winding(point) > 0.5;
 }
 
@@ -407,8 +405,14 @@ std::optional<bool> Caster::side_by_rays(const Vector3& point) const {
   static const std::array<Vector3, 3> directions{Vector3(0.37, 0.61, 0.7).normalized(),
                                                  Vector3(-0.67, 0.31, -0.53).normalized(),
                                                  Vector3(0.29, -0.79, 0.47).normalized()};
+  // One ray may leave by a gap some um wide, hardly two.
+  const bool closes = implementation_->at_open.empty();
+  std::optional<bool> told;
   for (const Vector3& direction : directions) {
-    if (const auto inside = side_by_ray(point, direction)) return inside;
+    const std::optional<bool> inside = side_by_ray(point, direction);
+    if (inside && (closes || inside == told)) return inside;
+    if (inside && told) return std::nullopt;
+    if (inside) told = inside;
   }
   return std::nullopt;
 }
