@@ -5,7 +5,6 @@
 #define CGAL_NO_CDT_2_WARNING
 #include <CGAL/Constrained_Delaunay_triangulation_2.h>
 #include <CGAL/Constrained_triangulation_face_base_2.h>
-#include <CGAL/Exact_predicates_inexact_constructions_kernel.h>
 #include <CGAL/Triangulation_face_base_with_info_2.h>
 #include <CGAL/Triangulation_vertex_base_with_info_2.h>
 
@@ -13,21 +12,17 @@
 #include <array>
 #include <cstdlib>
 #include <map>
-#include <optional>
-#include <set>
 #include <utility>
 
 #include "baker/base/cube_bins.hpp"
-#include "baker/base/groups.hpp"
-#include "baker/mesh/mesh_edges.hpp"
 #include "baker/mesh/triangle_height.hpp"
+#include "baker/surface/stacked_triangles.hpp"
+#include "baker/surface/triangle_cuts.hpp"
 
 namespace spm::baker {
 namespace {
 
 using Exact = ExactKernel;
-/// Of places as they are given, where nothing is constructed.
-using Plain = CGAL::Exact_predicates_inexact_constructions_kernel;
 using Vertex = CGAL::Triangulation_vertex_base_with_info_2<std::uint32_t, Exact>;
 using Face = CGAL::Constrained_triangulation_face_base_2<
     Exact, CGAL::Triangulation_face_base_with_info_2<int, Exact>>;
@@ -40,183 +35,12 @@ using Triangulation = CGAL::Constrained_Delaunay_triangulation_2<
   return CGAL::to_double(value);
 }
 
-/// The plane of a triangle, seen along the axis that is closest to its normal. It keeps the
-/// triangle's orientation.
-class Projection {
- public:
-  explicit Projection(const std::array<Exact::Point_3, 3>& corners) : origin_(corners[0]) {
-    const Exact::Vector_3 normal =
-        CGAL::cross_product(corners[1] - corners[0], corners[2] - corners[0]);
-    drop_ = 0;
-    for (int axis = 1; axis < 3; ++axis) {
-      if (CGAL::abs(normal[axis]) > CGAL::abs(normal[drop_])) drop_ = axis;
-    }
-    first_ = (drop_ + 1) % 3;
-    second_ = (drop_ + 2) % 3;
-    if (normal[drop_] < 0) std::swap(first_, second_);
-    slope_first_ = -normal[first_] / normal[drop_];
-    slope_second_ = -normal[second_] / normal[drop_];
-  }
-
-  [[nodiscard]] Exact::Point_2 down(const Exact::Point_3& p) const {
-    return {p[first_], p[second_]};
-  }
-
-  /// The same of a place as it is given.
-  [[nodiscard]] Plain::Point_2 down(const Vector3& p) const { return {p[first_], p[second_]}; }
-
-  /// The point of the plane over q.
-  [[nodiscard]] Exact::Point_3 up(const Exact::Point_2& q) const {
-    std::array<Exact::FT, 3> p;
-    p[static_cast<std::size_t>(first_)] = q.x();
-    p[static_cast<std::size_t>(second_)] = q.y();
-    p[static_cast<std::size_t>(drop_)] = height(q);
-    return {p[0], p[1], p[2]};
-  }
-
- private:
-  [[nodiscard]] Exact::FT height(const Exact::Point_2& q) const {
-    return origin_[drop_] + slope_first_ * (q.x() - origin_[first_]) +
-           slope_second_ * (q.y() - origin_[second_]);
-  }
-
-  Exact::Point_3 origin_;
-  int drop_ = 0, first_ = 0, second_ = 0;
-  Exact::FT slope_first_, slope_second_;
-};
-
-using Sides = std::set<std::pair<std::uint32_t, std::uint32_t>>;
-
-/// The traces of other triangles on one, or on some of one plane, as they are seen along the
-/// projection of the first.
-struct Cuts {
-  explicit Cuts(const std::array<Exact::Point_3, 3>& corners)
-      : projection(corners), flat({down(corners[0]), down(corners[1]), down(corners[2])}) {}
-
-  [[nodiscard]] Exact::Point_2 down(const Exact::Point_3& point) const {
-    return projection.down(point);
-  }
-
-  Projection projection;
-  std::array<Exact::Point_2, 3> flat;  ///< the first one's corners
-  std::vector<Exact::Point_2> points;
-  std::vector<std::pair<Exact::Point_2, Exact::Point_2>> segments;
-  Sides sides;                       ///< of others in its plane, for sheets
-  std::set<std::uint32_t> touching;  ///< corners of others that touch them
-  Sides edges;                       ///< the same, as a whole
-};
-
-/// Whether a segment passes the inside of a triangle: neither a side nor the segment has both
-/// apart.
-[[nodiscard]] bool passes_within(const std::array<Plain::Point_2, 3>& triangle,
-                                 const Plain::Point_2& from, const Plain::Point_2& to) {
-  const CGAL::Orientation turn = CGAL::orientation(triangle[0], triangle[1], triangle[2]);
-  bool is_left = false, is_right = false;
-  for (std::size_t k = 0; k < 3; ++k) {
-    const Plain::Point_2 &corner = triangle[k], &next = triangle[(k + 1) % 3];
-    if (CGAL::orientation(corner, next, from) != turn &&
-        CGAL::orientation(corner, next, to) != turn) {
-      return false;
-    }
-    const CGAL::Orientation beside = CGAL::orientation(from, to, corner);
-    is_left = is_left || beside == CGAL::LEFT_TURN;
-    is_right = is_right || beside == CGAL::RIGHT_TURN;
-  }
-  return is_left && is_right;
-}
-
-/// A triangle of some that lie on each other, as it is seen along their projection.
-struct Member {
-  std::array<Exact::Point_2, 3> corners;
-  CGAL::Orientation turn;
-  CGAL::Bbox_2 box;
-
-  /// Where a place lies: on the triangle, beyond it, or on one of its sides.
-  [[nodiscard]] CGAL::Bounded_side side_of(const Exact::Point_2& place) const {
-    if (!CGAL::do_overlap(box, place.bbox())) return CGAL::ON_UNBOUNDED_SIDE;
-    bool on_line = false;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const CGAL::Orientation own = CGAL::orientation(corners[k], corners[(k + 1) % 3], place);
-      if (own == -turn) return CGAL::ON_UNBOUNDED_SIDE;
-      on_line = on_line || own == CGAL::ZERO;
-    }
-    return on_line ? CGAL::ON_BOUNDARY : CGAL::ON_BOUNDED_SIDE;
-  }
-};
-
-/// How many triangles that cover a place turn as they are seen, less those that turn the other way;
-/// nothing where the place lies on a side of one.
-[[nodiscard]] std::optional<int> stacked_at(const Exact::Point_2& place,
-                                            const std::vector<Member>& members) {
-  int sum = 0;
-  for (const Member& member : members) {
-    const CGAL::Bounded_side side = member.side_of(place);
-    if (side == CGAL::ON_BOUNDARY) return std::nullopt;
-    if (side == CGAL::ON_BOUNDED_SIDE) sum += member.turn;
-  }
-  return sum;
-}
-
+/// Makes the pieces of triangles that are cut.
 class Splitter {
  public:
-  Splitter(std::span<const Vector3> points, std::span<const Triangle> triangles, std::size_t solids)
-      : points_(points), triangles_(triangles), solids_(solids), planes_(triangles.size()) {
+  Splitter(std::span<const Vector3> points, std::span<const Triangle> triangles, TriangleCuts& cuts)
+      : points_(points), triangles_(triangles), cuts_(cuts) {
     mesh_.points.assign(points.begin(), points.end());
-  }
-
-  /// Cuts the triangles of pairs along what they share; of a solid and a sheet, the sheet alone.
-  /// Solids of one plane are cut as one.
-  void intersect(std::span<const TrianglePair> pairs) {
-    std::vector<char> flat(pairs.size(), 0);
-    for (std::size_t i = 0; i < pairs.size(); ++i) {
-      const auto [first, second] = pairs[i];
-      if (!in_one_plane(first, second)) continue;
-      flat[i] = 1;
-      if (second < solids_) planes_.join(first, second);
-    }
-    if (std::any_of(flat.begin(), flat.end(), [](char is_flat) { return is_flat != 0; })) {
-      find_inner_sides();
-    }
-    std::map<std::uint32_t, std::vector<Triangle>> on_sheets;
-    for (std::size_t i = 0; i < pairs.size(); ++i) {
-      const auto [first, second] = pairs[i];
-      const bool is_sheet = second >= solids_;
-      if (is_sheet && flat[i] != 0) {
-        on_sheets[second].push_back(triangles_[first]);
-      } else if (is_sheet) {
-        cut_sheet(second, first);
-      } else if (flat[i] == 0) {
-        cut_solids(first, second);
-      } else {
-        (void)cuts_of(first);
-      }
-    }
-    for (const auto& [sheet, solids] : on_sheets) {
-      for (const HalfEdge& side : outline(points_, solids)) cut_once(sheet, side.low, side.high);
-    }
-  }
-
-  /// Cuts a triangle along a segment, as seen along the axis that is closest to its normal. A
-  /// triangle that rounding left on a line is not cut.
-  void cut(std::uint32_t index, const std::array<Vector3, 2>& segment) {
-    if (!cuts_.contains(index)) {
-      const std::array<Exact::Point_3, 3> own = corners(index);
-      if (CGAL::collinear(own[0], own[1], own[2])) return;
-    }
-    Cuts& own = cuts_of(index);
-    const auto& [a, b, c] = triangles_[index];
-    const auto plain = [&](const Vector3& place) { return own.projection.down(place); };
-    if (!passes_within({plain(points_[a]), plain(points_[b]), plain(points_[c])}, plain(segment[0]),
-                       plain(segment[1]))) {
-      return;
-    }
-    const Exact::Segment_2 seen(own.down(exact_point(segment[0])),
-                                own.down(exact_point(segment[1])));
-    const CGAL::Object common =
-        CGAL::intersection(Exact::Triangle_2(own.flat[0], own.flat[1], own.flat[2]), seen);
-    if (const auto* part = CGAL::object_cast<Exact::Segment_2>(&common)) {
-      own.segments.emplace_back(part->source(), part->target());
-    }
   }
 
   [[nodiscard]] SplitMesh finish() {
@@ -226,14 +50,13 @@ class Splitter {
     }
     std::vector<CubeBins::Member> members;
     for (std::uint32_t i = 0; i < triangles_.size(); ++i) {
-      mesh_.planes.push_back(planes_.of(i));
+      mesh_.planes.push_back(cuts_.plane_of(i));
       members.emplace_back(mesh_.planes.back(), i);
     }
     const CubeBins cut_as_one(triangles_.size(), members);
     for (std::uint32_t i = 0; i < triangles_.size(); ++i) {
-      const auto cuts = cuts_.find(i);
-      if (cuts != cuts_.end()) {
-        split(i, cut_as_one.of(i, i), cuts->second);
+      if (const Cuts* cuts = cuts_.of(i)) {
+        split(i, cut_as_one.of(i, i), *cuts);
       } else if (mesh_.planes[i] == i) {
         add_piece(triangles_[i], i, 1);
       }
@@ -244,173 +67,6 @@ class Splitter {
  private:
   using Key = std::array<double, 3>;
   [[nodiscard]] static Key key(const Vector3& p) { return {p.x(), p.y(), p.z()}; }
-
-  [[nodiscard]] std::array<Exact::Point_3, 3> corners(std::uint32_t index) const {
-    const auto& [a, b, c] = triangles_[index];
-    return {exact_point(points_[a]), exact_point(points_[b]), exact_point(points_[c])};
-  }
-  [[nodiscard]] Exact::Triangle_3 triangle(std::uint32_t index) const {
-    const auto [a, b, c] = corners(index);
-    return {a, b, c};
-  }
-
-  [[nodiscard]] Plain::Point_3 plain(std::uint32_t point) const {
-    const Vector3& p = points_[point];
-    return {p.x(), p.y(), p.z()};
-  }
-
-  /// On which side of a triangle's plane the corners of another lie.
-  [[nodiscard]] std::array<CGAL::Orientation, 3> beside_plane(std::uint32_t plane,
-                                                              std::uint32_t other) const {
-    const auto& [a, b, c] = triangles_[plane];
-    const Plain::Point_3 p = plain(a), q = plain(b), r = plain(c);
-    std::array<CGAL::Orientation, 3> sides{};
-    std::transform(triangles_[other].begin(), triangles_[other].end(), sides.begin(),
-                   [&](std::uint32_t corner) { return CGAL::orientation(p, q, r, plain(corner)); });
-    return sides;
-  }
-
-  [[nodiscard]] bool in_one_plane(std::uint32_t first, std::uint32_t second) const {
-    const std::array<CGAL::Orientation, 3> beside = beside_plane(first, second);
-    return std::all_of(beside.begin(), beside.end(),
-                       [](CGAL::Orientation side) { return side == CGAL::ZERO; });
-  }
-
-  Cuts& cuts_of(std::uint32_t index) {
-    const std::uint32_t first = planes_.of(index);
-    const auto found = cuts_.find(first);
-    return found != cuts_.end() ? found->second
-                                : cuts_.emplace(first, Cuts(corners(first))).first->second;
-  }
-
-  /// Finds the sides between two triangles that are cut as one.
-  void find_inner_sides() {
-    const std::vector<Triangle> all(triangles_.begin(), triangles_.end());
-    for_each_edge(sorted_edges(all), [&](std::span<const HalfEdge> users) {
-      if (users.size() != 2 || users[0].forward == users[1].forward ||
-          planes_.of(users[0].triangle) != planes_.of(users[1].triangle)) {
-        return;
-      }
-      const auto tip = [&](const HalfEdge& user) {
-        return exact_point(points_[tip_of(triangles_[user.triangle], user)]);
-      };
-      const auto low = exact_point(points_[users[0].low]);
-      const auto high = exact_point(points_[users[0].high]);
-      if (CGAL::coplanar_orientation(low, high, tip(users[0]), tip(users[1])) == CGAL::NEGATIVE) {
-        inner_.emplace(users[0].low, users[0].high);
-      }
-    });
-  }
-
-  /// The corners of a triangle that touches another's plane, and does not pass it, where it does.
-  [[nodiscard]] std::vector<std::uint32_t> corners_in_plane(std::uint32_t plane,
-                                                            std::uint32_t other) const {
-    const std::array<CGAL::Orientation, 3> beside = beside_plane(plane, other);
-    const auto [least, most] = std::minmax_element(beside.begin(), beside.end());
-    if (*least == CGAL::NEGATIVE && *most == CGAL::POSITIVE) return {};
-    std::vector<std::uint32_t> found;
-    for (std::size_t k = 0; k < 3; ++k) {
-      if (beside[k] == CGAL::ZERO) found.push_back(triangles_[other][k]);
-    }
-    return found;
-  }
-
-  [[nodiscard]] bool is_inner(std::uint32_t from, std::uint32_t to) const {
-    return inner_.contains(std::minmax(from, to));
-  }
-
-  /// Cuts a triangle, and those that are cut as one with another that it touches with a corner or
-  /// a side: with a side as a whole, as long as that passes no outline of theirs but where the
-  /// triangle is cut too. False where the two are to be cut along what they share.
-  bool cut_where_touched(std::uint32_t index, std::uint32_t plane) {
-    const std::vector<std::uint32_t> touching = corners_in_plane(plane, index);
-    if (touching.size() == 1) return cut_at_corner(touching[0], plane);
-    return touching.size() == 2 && cut_along_side(index, {touching[0], touching[1]}, plane);
-  }
-
-  bool cut_at_corner(std::uint32_t corner, std::uint32_t plane) {
-    Cuts& cuts = cuts_of(plane);
-    const auto seen = [&](std::uint32_t point) { return cuts.projection.down(points_[point]); };
-    const auto& [a, b, c] = triangles_[plane];
-    const Plain::Triangle_2 flat(seen(a), seen(b), seen(c));
-    if (!flat.has_on_unbounded_side(seen(corner))) cuts.touching.insert(corner);
-    return true;
-  }
-
-  bool cut_along_side(std::uint32_t index, const std::array<std::uint32_t, 2>& side,
-                      std::uint32_t plane) {
-    const Triangle& in_plane = triangles_[plane];
-    const auto [a, b, c] = in_plane;
-    if (!is_inner(a, b) && !is_inner(b, c) && !is_inner(c, a)) return false;
-    Cuts& cuts = cuts_of(plane);
-    const auto seen = [&](std::uint32_t point) { return cuts.projection.down(points_[point]); };
-    const Plain::Point_2 from = seen(side[0]), to = seen(side[1]);
-    const std::array<Plain::Point_2, 3> flat{seen(a), seen(b), seen(c)};
-    if (!passes_within(flat, from, to)) return false;
-    std::array<CGAL::Orientation, 3> beside{};
-    for (std::size_t k = 0; k < 3; ++k) {
-      beside[k] = CGAL::orientation(from, to, flat[k]);
-      if (beside[k] == CGAL::ZERO) return false;
-    }
-    std::vector<std::array<std::uint32_t, 2>> outlines;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const std::size_t next = (k + 1) % 3;
-      if (beside[k] == beside[next] || is_inner(in_plane[k], in_plane[next])) continue;
-      if (CGAL::orientation(flat[k], flat[next], from) ==
-          CGAL::orientation(flat[k], flat[next], to)) {
-        continue;
-      }
-      outlines.push_back({in_plane[k], in_plane[next]});
-    }
-    cuts.edges.insert(std::minmax(side[0], side[1]));
-    Cuts& own = cuts_of(index);
-    own.edges.insert(std::minmax(side[0], side[1]));
-    for (const auto& outline : outlines) {
-      const CGAL::Object common = CGAL::intersection(segment(side), segment(outline));
-      if (const auto* point = CGAL::object_cast<Exact::Point_3>(&common)) {
-        own.points.push_back(own.down(*point));
-      }
-    }
-    return true;
-  }
-
-  [[nodiscard]] Exact::Segment_3 segment(const std::array<std::uint32_t, 2>& ends) const {
-    return {exact_point(points_[ends[0]]), exact_point(points_[ends[1]])};
-  }
-
-  /// Cuts two triangles of solids that are not in one plane along what they share.
-  void cut_solids(std::uint32_t first, std::uint32_t second) {
-    if (cut_where_touched(first, second) || cut_where_touched(second, first)) return;
-    // An Object, since CGAL 5 and 6 return variants of different libraries.
-    const CGAL::Object common = CGAL::intersection(triangle(first), triangle(second));
-    for (const std::uint32_t side : {first, second}) {
-      Cuts& own = cuts_of(side);
-      if (const auto* point = CGAL::object_cast<Exact::Point_3>(&common)) {
-        own.points.push_back(own.down(*point));
-      } else if (const auto* segment = CGAL::object_cast<Exact::Segment_3>(&common)) {
-        own.segments.emplace_back(own.down(segment->source()), own.down(segment->target()));
-      }
-    }
-  }
-
-  /// Cuts a sheet where a triangle of a solid that is not in its plane passes it.
-  void cut_sheet(std::uint32_t sheet, std::uint32_t solid) {
-    const std::vector<std::uint32_t> touching = corners_in_plane(sheet, solid);
-    if (touching.size() == 2) cut_once(sheet, touching[0], touching[1]);
-    if (!touching.empty()) return;
-    const CGAL::Object common = CGAL::intersection(triangle(sheet), triangle(solid));
-    if (const auto* segment = CGAL::object_cast<Exact::Segment_3>(&common)) {
-      Cuts& own = cuts_of(sheet);
-      own.segments.emplace_back(own.down(segment->source()), own.down(segment->target()));
-    }
-  }
-
-  /// Cuts a sheet along a side in its plane, which several triangles may have.
-  void cut_once(std::uint32_t sheet, std::uint32_t from, std::uint32_t to) {
-    if (cuts_of(sheet).sides.insert(std::minmax(from, to)).second) {
-      cut(sheet, {points_[from], points_[to]});
-    }
-  }
 
   /// Cuts a triangle, or some as one, of which it is the first.
   void split(std::uint32_t first, std::span<const std::uint32_t> triangles, const Cuts& cuts) {
@@ -439,24 +95,15 @@ class Splitter {
     for (const auto& [vertex, corner] : ends) vertex->info() = corner;
     if (triangles.size() > 1) {
       for (const std::uint32_t triangle : triangles) mesh_.split.add(1, triangles_[triangle][0]);
-      add_stacked(triangulation, first, members_of(triangles, cuts));
+      std::vector<StackedTriangle> stacked;
+      for (const std::uint32_t triangle : triangles) stacked.emplace_back(seen(triangle, cuts));
+      add_stacked(triangulation, first, stacked);
       return;
     }
     if (triangulation.number_of_faces() > 1) mesh_.split.add(1, triangles_[first][0]);
     for (const auto face : triangulation.finite_face_handles()) {
       add_piece(numbers_at(face), first, 1);
     }
-  }
-
-  [[nodiscard]] std::vector<Member> members_of(std::span<const std::uint32_t> triangles,
-                                               const Cuts& cuts) const {
-    std::vector<Member> members;
-    for (const std::uint32_t triangle : triangles) {
-      const std::array<Exact::Point_2, 3> flat = seen(triangle, cuts);
-      members.push_back({flat, CGAL::orientation(flat[0], flat[1], flat[2]),
-                         flat[0].bbox() + flat[1].bbox() + flat[2].bbox()});
-    }
-    return members;
   }
 
   /// The sides of triangles that are cut as one, but for those between two of them. `ends` are
@@ -469,7 +116,7 @@ class Splitter {
       const auto& [from, low] = ends[i];
       const auto& [to, high] = ends[i % 3 == 2 ? i - 2 : i + 1];
       const auto side = std::minmax(low, high);
-      if (inner_.contains(side) || !sides.insert(side).second) continue;
+      if (cuts_.is_inner(low, high) || !sides.insert(side).second) continue;
       if (from != to) triangulation.insert_constraint(from, to);
     }
   }
@@ -477,7 +124,7 @@ class Splitter {
   /// Adds the pieces of triangles that are cut as one. Between cuts as many lie on each other
   /// everywhere.
   void add_stacked(Triangulation& triangulation, std::uint32_t first,
-                   const std::vector<Member>& members) {
+                   const std::vector<StackedTriangle>& stacked) {
     for (const auto face : triangulation.finite_face_handles()) face->info() = 0;
     for (const auto start : triangulation.finite_face_handles()) {
       if (start->info() != 0) continue;
@@ -493,7 +140,7 @@ class Splitter {
       const auto largest = *std::max_element(
           between.begin(), between.end(),
           [](const auto& one, const auto& other) { return seen_area(one) < seen_area(other); });
-      const int sum = stacked_in(largest, members);
+      const int sum = stacked_over(places_at(largest), stacked);
       // Where as many face one way as the other there is no surface.
       if (sum == 0) continue;
       for (const auto face : between) {
@@ -504,21 +151,12 @@ class Splitter {
     }
   }
 
-  /// `stacked_at` of a place in a face: the first on a curve that no side passes. Any line passes
-  /// the curve twice at most.
-  [[nodiscard]] static int stacked_in(Triangulation::Face_handle face,
-                                      const std::vector<Member>& members) {
-    const Exact::Point_2 &a = face->vertex(0)->point(), &b = face->vertex(1)->point(),
-                         &c = face->vertex(2)->point();
-    for (int k = 1;; ++k) {
-      const Exact::Point_2 place =
-          CGAL::barycenter(a, Exact::FT(97 + k), b, Exact::FT(101 + k * k), c, Exact::FT(103));
-      if (const auto sum = stacked_at(place, members)) return *sum;
-    }
-  }
-
   [[nodiscard]] static Triangle numbers_at(Triangulation::Face_handle face) {
     return {face->vertex(0)->info(), face->vertex(1)->info(), face->vertex(2)->info()};
+  }
+
+  [[nodiscard]] static std::array<Exact::Point_2, 3> places_at(Triangulation::Face_handle face) {
+    return {face->vertex(0)->point(), face->vertex(1)->point(), face->vertex(2)->point()};
   }
 
   /// About twice the area of a face.
@@ -534,8 +172,9 @@ class Splitter {
 
   /// The corners of a triangle along the projection of some cuts.
   [[nodiscard]] std::array<Exact::Point_2, 3> seen(std::uint32_t index, const Cuts& cuts) const {
-    const std::array<Exact::Point_3, 3> own = corners(index);
-    return {cuts.down(own[0]), cuts.down(own[1]), cuts.down(own[2])};
+    const auto& [a, b, c] = triangles_[index];
+    return {cuts.down(exact_point(points_[a])), cuts.down(exact_point(points_[b])),
+            cuts.down(exact_point(points_[c]))};
   }
 
   /// The number of a point: one place, before rounding, has one.
@@ -559,11 +198,8 @@ class Splitter {
 
   std::span<const Vector3> points_;
   std::span<const Triangle> triangles_;
-  std::size_t solids_;
+  TriangleCuts& cuts_;
   SplitMesh mesh_;
-  Groups planes_;                       ///< of triangles that are cut as one
-  Sides inner_;                         ///< between two that are cut as one, which nothing else has
-  std::map<std::uint32_t, Cuts> cuts_;  ///< by the first
   std::map<Key, std::vector<std::uint32_t>> numbers_;
 };
 
@@ -576,16 +212,16 @@ ExactKernel::Point_3 SplitMesh::exact_place(std::uint32_t point) const {
 
 SplitMesh split_triangles(std::span<const Vector3> points, std::span<const Triangle> triangles,
                           std::span<const TrianglePair> crossing, std::size_t solids) {
-  Splitter splitter(points, triangles, solids);
-  splitter.intersect(crossing);
-  return splitter.finish();
+  TriangleCuts cuts(points, triangles, solids);
+  cuts.intersect(crossing);
+  return Splitter(points, triangles, cuts).finish();
 }
 
 SplitMesh cut_as_seen(std::span<const Vector3> points, std::span<const Triangle> triangles,
                       std::span<const SeenCut> cuts) {
-  Splitter splitter(points, triangles, triangles.size());
-  for (const auto& [triangle, segment] : cuts) splitter.cut(triangle, segment);
-  SplitMesh split = splitter.finish();
+  TriangleCuts along(points, triangles, triangles.size());
+  for (const auto& [triangle, segment] : cuts) along.cut(triangle, segment);
+  SplitMesh split = Splitter(points, triangles, along).finish();
   std::size_t kept = 0;
   for (std::size_t piece = 0; piece < split.pieces.size(); ++piece) {
     const auto& [a, b, c] = split.pieces[piece];
