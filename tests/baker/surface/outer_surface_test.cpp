@@ -408,4 +408,43 @@ TEST_CASE("The winding number of an open mesh lies between that of its sides") {
   CHECK(winding.at({0, 0, -3}) == Approx(0).margin(0.05));
 }
 
+TEST_CASE("A sheet that solids only touch is left whole") {
+  Shape sheet;
+  sheet.vertices = {{-2, -2, 0}, {2, -2, 0}, {2, 2, 0}, {-2, 2, 0}};
+  sheet.triangles = {{0, 1, 2}, {0, 2, 3}};
+  // A ridge lies in its plane, and of the other solid a corner.
+  Shape ridge = box({1, 1, 1}), tip = box({0.5, 0.5, 0.5});
+  for (Vector3& vertex : ridge.vertices) {
+    vertex = {vertex.x() + vertex.z(), vertex.y(), vertex.z() - vertex.x() - 1};
+  }
+  for (Vector3& vertex : tip.vertices) {
+    vertex = {vertex.x() + vertex.z(), vertex.y() + vertex.z() - 1.5,
+              vertex.z() - vertex.x() - vertex.y() - 0.75};
+  }
+  const OuterSurface surface = surface_of(merged(merged(ridge, tip), sheet));
+  CHECK(surface.solid_count == 24);
+  CHECK(surface.triangles.size() == 26);
+  CHECK(area(surface.vertices, {surface.triangles.begin() + 24, surface.triangles.end()}) ==
+        Approx(16));
+  CHECK(surface.hidden == 0);
+}
+
+TEST_CASE("A wall on faces that lie on each other is cut where their outlines pass it alone") {
+  // The foot of the box passes the spokes of the cylinder's top and no outline of it.
+  const Shape below = moved(cylinder(2, 1, 48), {0, 0, -0.5});
+  const Shape above = moved(box({1, 0.75, 1}), {0.25, 0, 0.5});
+  const OuterSurface surface = surface_of(merged(below, above));
+  const auto walls = std::count_if(
+      surface.triangles.begin(), surface.triangles.end(), [&](const Triangle& triangle) {
+        const double rise = surface.vertices[triangle[0]].z() + surface.vertices[triangle[1]].z() +
+                            surface.vertices[triangle[2]].z();
+        return rise > 0.5;
+      });
+  CHECK(walls == 10);
+  CHECK(volume_of(surface) ==
+        Approx(signed_volume(below.vertices, {below.triangles.begin(), below.triangles.end()}) +
+               0.75));
+  CHECK(open_length(surface) == Approx(0).margin(1e-9));
+}
+
 }  // namespace spm::test::outer_surface_test

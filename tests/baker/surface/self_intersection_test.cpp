@@ -72,4 +72,15 @@ TEST_CASE("Vertices are joined to the first near enough that stands for itself, 
   CHECK(others > 100);
 }
 
+TEST_CASE("Faces of two boxes face each other across a gap, and not where they lie on each other") {
+  for (const double gap : {0.0, 1e-6}) {
+    const test::Shape both =
+        test::merged(test::box({1, 1, 1}), test::moved(test::box({1, 1, 1}), {0, 0, 1 + gap}));
+    const std::vector<Triangle> triangles(both.triangles.begin(), both.triangles.end());
+    const MeetingPairs pairs = meeting_pairs(both.vertices, triangles, 4e-6);
+    CHECK(pairs.facing.empty() == (gap == 0));
+    CHECK(pairs.crossing.empty() == (gap > 0));
+  }
+}
+
 }  // namespace spm::baker::self_intersection_test
