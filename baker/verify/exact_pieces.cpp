@@ -223,7 +223,8 @@ enum class Side { outer, turned, hidden };
 /// How a triangle of the mesh is judged.
 struct Kind {
   bool sheet = false;
-  std::vector<Corners> facing;  ///< those that face it across a narrow gap, or across none
+  bool stacked = false;         ///< one that faces the other way lies in its plane
+  std::vector<Corners> facing;  ///< those that face it across a narrow gap
 
   /// Whether one of these covers a point of its plane, or nearly.
   [[nodiscard]] bool faced_at(const Frame& frame, const Vector3& point, double nearly) const {
@@ -386,7 +387,12 @@ SurfacePieces outer_pieces(const Mesh& mesh, const ExactWinding& winding, double
       const Corners there = corners_of(mesh, other);
       const Triangle& numbers = mesh.triangles[other];
       const bool in_plane = add_meeting(frame, there, numbers, scale.touching, traces);
-      if (!faces(frame, own, there, narrow, kinds[i].sheet)) continue;
+      // What lies on it is told by winding numbers alone.
+      const bool lies_on = std::all_of(there.begin(), there.end(), [&](const Vector3& corner) {
+        return std::abs(frame.height(corner)) <= scale.wall / 4;
+      });
+      kinds[i].stacked = kinds[i].stacked || (lies_on && frame.n.dot(normal_of(there)) < 0);
+      if (lies_on || !faces(frame, own, there, narrow, kinds[i].sheet)) continue;
       if (!kinds[i].sheet) kinds[i].facing.push_back(there);
       if (!in_plane) traces.add_whole(numbers, frame.n.dot(normal_of(there)) > 0);
     }
@@ -401,8 +407,9 @@ SurfacePieces outer_pieces(const Mesh& mesh, const ExactWinding& winding, double
                                  [](const auto& pieces) { return pieces.size() == 1; });
   // One closed part that does not cut itself is its own outer surface.
   SurfacePieces pieces;
-  pieces.gaps_closed = std::any_of(kinds.begin(), kinds.end(),
-                                   [](const Kind& kind) { return !kind.facing.empty(); });
+  pieces.gaps_closed = std::any_of(kinds.begin(), kinds.end(), [](const Kind& kind) {
+    return kind.stacked || !kind.facing.empty();
+  });
   const bool simple = whole && mesh.closed() && mesh.components == 1 && !pieces.gaps_closed;
   std::vector<Sorted> sorted(mesh.triangles.size());
   tbb::parallel_for(std::size_t{0}, mesh.triangles.size(), [&](std::size_t i) {
@@ -410,8 +417,12 @@ SurfacePieces outer_pieces(const Mesh& mesh, const ExactWinding& winding, double
     if (simple) {
       sorted[i].kept.push_back(own);
     } else {
-      sorted[i] =
-          sort_pieces(winding, Frame(own), polygons[i], scale, kinds[i], pieces.gaps_closed);
+      const auto around = near.of(i, i);
+      const bool gaps = !kinds[i].facing.empty() ||
+                        std::any_of(around.begin(), around.end(), [&](std::uint32_t other) {
+                          return !kinds[other].facing.empty();
+                        });
+      sorted[i] = sort_pieces(winding, Frame(own), polygons[i], scale, kinds[i], gaps);
     }
   });
   for (std::size_t i = 0; i < sorted.size(); ++i) {
