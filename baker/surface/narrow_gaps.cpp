@@ -73,13 +73,8 @@ class Gaps {
     const Vector3 middle = (a + b + c) / 3;
     const Vector3 normal = (b - a).cross(c - a).stableNormalized();
     if (whole.sheet) {
-      // A solid may touch it at one of these places with a corner.
       const Vector3 step = std::max(narrow_, least_step * mesh_.diagonal) * normal;
-      const std::array<Vector3, 3> places{middle, 0.5 * a + 0.3 * b + 0.2 * c,
-                                          0.2 * a + 0.3 * b + 0.5 * c};
-      return std::any_of(places.begin(), places.end(), [&](const Vector3& place) {
-        return !inside(place + step) && !inside(place - step);
-      });
+      return !inside(middle + step) && !inside(middle - step);
     }
     if (triangle_height(a, b, c) > narrow_) {
       return !is_faced(middle, whole.parent) || !is_covered(middle, normal);

@@ -221,6 +221,8 @@ bool TriangleCuts::cut_along_side(std::uint32_t index, const std::array<std::uin
 /// Cuts a sheet where a triangle of a solid that is not in its plane passes it.
 void TriangleCuts::cut_sheet(std::uint32_t sheet, std::uint32_t solid) {
   const std::vector<std::uint32_t> touching = corners_in_plane(sheet, solid);
+  // So that no piece is asked for its side where a solid touches it.
+  if (touching.size() == 1) cut_at_corner(touching[0], sheet);
   if (touching.size() == 2) cut_once(sheet, touching[0], touching[1]);
   if (!touching.empty()) return;
   const CGAL::Object common = CGAL::intersection(triangle(sheet), triangle(solid));

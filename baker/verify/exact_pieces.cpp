@@ -345,11 +345,6 @@ Sorted sort_pieces(const ExactWinding& winding, const Frame& frame,
     const Vector2 flat = gaps ? across_sliver(polygon, scale.narrow) : Vector2::Zero();
     const Vector3 across = flat.x() * frame.u + flat.y() * frame.v;
     Side side = side_of(winding, frame.lifted(centre), frame, scale, kind, across);
-    // A solid may touch a sheet at its piece's centre with a corner.
-    for (std::size_t k = 0; k < 2 && kind.sheet && side == Side::hidden; ++k) {
-      const Vector2 place = 0.6 * centre + 0.4 * polygon[k];
-      side = side_of(winding, frame.lifted(place), frame, scale, kind, across);
-    }
     if (flat != Vector2::Zero() && !kind.sheet && side != Side::hidden) {
       const std::vector<Vector2> places = places_along(polygon, centre, scale.narrow);
       if (std::any_of(places.begin(), places.end(), [&](const Vector2& place) {
