@@ -174,34 +174,35 @@ Felt without_narrow_gaps(const Mesh& mesh, std::span<const TrianglePair> facing,
     const LooseTriangle& parent = triangles[split.parents[piece]];
     felt[piece] = gaps.is_felt({split.points[a], split.points[b], split.points[c]}, parent) ? 1 : 0;
   });
+  // Nothing has to meet a sheet's cuts: one of which all is felt stays whole.
+  std::vector<char> whole_sheet(mesh.triangles.size(), 0);
+  for (const LooseTriangle& one : triangles) whole_sheet[one.parent] = one.sheet ? 1 : 0;
+  for (std::size_t piece = 0; piece < felt.size(); ++piece) {
+    if (felt[piece] == 0) whole_sheet[triangles[split.parents[piece]].parent] = 0;
+  }
   Felt left;
   for (std::size_t begin = 0; begin < felt.size();) {
-    const LooseTriangle& first = triangles[split.parents[begin]];
-    // Nothing has to meet a sheet's cuts.
-    const auto is_of_one = [&](std::size_t piece) {
-      const LooseTriangle& other = triangles[split.parents[piece]];
-      return first.sheet ? other.parent == first.parent
-                         : split.parents[piece] == split.parents[begin];
-    };
+    const LooseTriangle& parent = triangles[split.parents[begin]];
     std::size_t end = begin;
-    while (end < felt.size() && is_of_one(end)) ++end;
+    while (end < felt.size() && split.parents[end] == split.parents[begin]) ++end;
     const auto from = felt.begin() + static_cast<std::ptrdiff_t>(begin);
-    if (std::all_of(from, felt.begin() + static_cast<std::ptrdiff_t>(end),
-                    [](char kept) { return kept != 0; })) {
-      left.triangles.push_back(first);
-      if (first.sheet) left.triangles.back().corners = mesh.triangles[first.parent];
-      begin = end;
-    }
+    const bool is_all = std::all_of(from, felt.begin() + static_cast<std::ptrdiff_t>(end),
+                                    [](char kept) { return kept != 0; });
+    if (is_all && whole_sheet[parent.parent] == 0) left.triangles.push_back(parent);
+    if (is_all) begin = end;
     for (; begin < end; ++begin) {
       const auto& [a, b, c] = split.pieces[begin];
       if (felt[begin] != 0) {
-        left.triangles.push_back(first);
+        left.triangles.push_back(parent);
         left.triangles.back().corners = split.pieces[begin];
       } else {
         ++left.hidden;
         left.hidden_area += triangle_area(split.points[a], split.points[b], split.points[c]);
       }
     }
+  }
+  for (std::uint32_t t = 0; t < whole_sheet.size(); ++t) {
+    if (whole_sheet[t] != 0) left.triangles.push_back({mesh.triangles[t], true, false, t});
   }
   points = split.points;
   return left;
