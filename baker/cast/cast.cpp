@@ -65,9 +65,10 @@ struct Caster::Implementation {
   std::shared_ptr<const ClosedSurfaces> sides;
   std::unique_ptr<Caster> whole;
   std::optional<WindingNumber> winding;
-  /// By triangle, whether it has a corner at which the solids do not close, as where a gap went
-  /// whose walls stand some rounding apart; empty where they close everywhere.
-  std::vector<char> at_open;
+  /// By triangle, whether its normal is no evidence: those of `sides`, else such as have a corner
+  /// at which the solids do not close, as where a gap went whose walls stand some um apart. Empty
+  /// where there are none.
+  std::vector<char> doubtful;
 
   ~Implementation() {
     if (rays != nullptr) rtcReleaseScene(rays);
@@ -79,8 +80,8 @@ struct Caster::Implementation {
     const std::vector<char> open = open_vertices(vertices, solids);
     if (std::find(open.begin(), open.end(), 1) == open.end()) return;
     for (const Triangle& triangle : solids) {
-      at_open.push_back(std::any_of(triangle.begin(), triangle.end(),
-                                    [&](std::uint32_t corner) { return open[corner] != 0; }));
+      doubtful.push_back(std::any_of(triangle.begin(), triangle.end(),
+                                     [&](std::uint32_t corner) { return open[corner] != 0; }));
     }
   }
 
@@ -229,6 +230,7 @@ Caster::Caster(const OuterSurface& surface, double sheet_thickness)
     whole.solid_count = whole.triangles.size();
     self.whole = std::make_unique<Caster>(whole);
     self.sides = surface.sides;
+    self.doubtful = surface.sides->doubtful;
   } else {
     const auto solids = std::span(surface.triangles).first(self.solid_count);
     self.winding.emplace(surface.vertices, solids);
@@ -362,8 +364,7 @@ ClosestPoint Caster::closest(const Vector3& point) const {
     if (candidate.distance > search.nearest_solid + search.tie) continue;
     const double height = self.normals[candidate.triangle].dot(point - candidate.closest_point);
     (height < 0 ? voted_inside : voted_outside) = true;
-    in_doubt = in_doubt || (self.sides && self.sides->doubtful[candidate.triangle] != 0) ||
-               (!self.at_open.empty() && self.at_open[candidate.triangle] != 0);
+    in_doubt = in_doubt || (!self.doubtful.empty() && self.doubtful[candidate.triangle] != 0);
   }
   if (solid == nullptr && sheet == nullptr) {
     throw BakeError(ExitCode::internal, "the surface has no triangle");
@@ -406,7 +407,7 @@ std::optional<bool> Caster::side_by_rays(const Vector3& point) const {
                                                  Vector3(-0.67, 0.31, -0.53).normalized(),
                                                  Vector3(0.29, -0.79, 0.47).normalized()};
   // One ray may leave by a gap some um wide, hardly two.
-  const bool closes = implementation_->at_open.empty();
+  const bool closes = implementation_->doubtful.empty();
   std::optional<bool> told;
   for (const Vector3& direction : directions) {
     const std::optional<bool> inside = side_by_ray(point, direction);

@@ -99,8 +99,8 @@ struct Traces {
 
 /// Where a triangle meets a plane: a segment, a side of it, or all three where it lies in the
 /// plane. Whether it does that.
-bool add_meeting(const Frame& frame, const Corners& other, const Triangle& numbers, double touching,
-                 Traces& traces) {
+bool add_meeting(const Frame& frame, const Corners& other, const Triangle& numbers, bool alike,
+                 double touching, Traces& traces) {
   std::array<double, 3> height{};
   std::size_t in_plane = 0;
   for (std::size_t i = 0; i < 3; ++i) {
@@ -109,7 +109,7 @@ bool add_meeting(const Frame& frame, const Corners& other, const Triangle& numbe
     in_plane += height[i] == 0 ? 1 : 0;
   }
   if (in_plane == 3) {
-    traces.add_whole(numbers, frame.n.dot(normal_of(other)) > 0);
+    traces.add_whole(numbers, alike);
     return true;
   }
   // A plane passes no more than two places of a triangle's border; most that are near it none.
@@ -381,15 +381,18 @@ SurfacePieces outer_pieces(const Mesh& mesh, const ExactWinding& winding, double
       if (other >= mesh.solid_triangles()) continue;
       const Corners there = corners_of(mesh, other);
       const Triangle& numbers = mesh.triangles[other];
-      const bool in_plane = add_meeting(frame, there, numbers, scale.touching, traces);
+      const double along = frame.n.dot(normal_of(there));
+      const bool alike = along > 0;
+      const bool in_plane = add_meeting(frame, there, numbers, alike, scale.touching, traces);
       // What lies on it is told by winding numbers alone.
-      const bool lies_on = std::all_of(there.begin(), there.end(), [&](const Vector3& corner) {
-        return std::abs(frame.height(corner)) <= scale.wall / 4;
-      });
-      kinds[i].stacked = kinds[i].stacked || (lies_on && frame.n.dot(normal_of(there)) < 0);
+      const bool lies_on =
+          in_plane && std::all_of(there.begin(), there.end(), [&](const Vector3& corner) {
+            return std::abs(frame.height(corner)) <= scale.wall / 4;
+          });
+      kinds[i].stacked = kinds[i].stacked || (lies_on && along < 0);
       if (lies_on || !faces(frame, own, there, narrow, kinds[i].sheet)) continue;
       if (!kinds[i].sheet) kinds[i].facing.push_back(there);
-      if (!in_plane) traces.add_whole(numbers, frame.n.dot(normal_of(there)) > 0);
+      if (!in_plane) traces.add_whole(numbers, alike);
     }
     traces.keep_outlines();
     for (const Segment& segment : traces.segments) cut(polygons[i], segment, scale.touching);
