@@ -12,7 +12,7 @@
 
 #include "baker/base/bake_error.hpp"
 #include "baker/mesh/mesh_edges.hpp"
-#include "baker/mesh/winding_number.hpp"
+#include "baker/surface/solid_side.hpp"
 #include "common/surface/closest_on_triangle.hpp"
 
 namespace spm::baker {
@@ -29,12 +29,6 @@ constexpr double tie_share = 1e-5;
 constexpr double surface_share = 1e-7;
 /// A ray that grazes a triangle more flatly than this keeps Embree's own distance.
 constexpr double grazing_cosine = 1e-6;
-/// A ray that tells the side starts this share of the diagonal before the place, and tells nothing
-/// where a crossing is nearer than half of it, flatter than the cosine, or no farther from a side
-/// of its triangle than rounding may hide the next one, as a share of the diagonal.
-constexpr double ray_lift_share = 1e-5;
-constexpr double flat_cosine = 1e-3;
-constexpr double side_share = 1e-6;
 
 struct HitCollector {
   RayContext context;
@@ -61,10 +55,10 @@ struct Caster::Implementation {
   Vector3 centre = Vector3::Zero();
   double diagonal = 0;
   /// What tells the side where the solids' triangles do not: OuterSurface::sides, and a caster over
-  /// them. Else the triangles' own winding number.
+  /// them. Else the triangles themselves.
   std::shared_ptr<const ClosedSurfaces> sides;
   std::unique_ptr<Caster> whole;
-  std::optional<WindingNumber> winding;
+  std::optional<SolidSide> boundary;
   /// By triangle, whether its normal is no evidence: those of `sides`, else such as have a corner
   /// at which the solids do not close, as where a gap went whose walls stand some um apart. Empty
   /// where there are none.
@@ -113,17 +107,6 @@ struct Caster::Implementation {
     rtcCommitGeometry(geometry);
     rtcAttachGeometry(scene, geometry);
     rtcReleaseGeometry(geometry);
-  }
-
-  /// Whether a place on a triangle is next to one of its sides.
-  [[nodiscard]] bool is_at_side(std::uint32_t triangle, const Vector3& place) const {
-    for (std::size_t k = 0; k < 3; ++k) {
-      const Vector3& from = corners[triangle][k];
-      const Vector3 along = corners[triangle][(k + 1) % 3] - from;
-      const double twice_area = normals[triangle].dot(along.cross(place - from));
-      if (twice_area < side_share * diagonal * along.norm()) return true;
-    }
-    return false;
   }
 
   void collect(const Vector3& origin, const Vector3& direction, double lift,
@@ -233,7 +216,7 @@ Caster::Caster(const OuterSurface& surface, double sheet_thickness)
     self.doubtful = surface.sides->doubtful;
   } else {
     const auto solids = std::span(surface.triangles).first(self.solid_count);
-    self.winding.emplace(surface.vertices, solids);
+    self.boundary.emplace(surface.vertices, solids);
     self.find_open(surface.vertices.size(), {solids.begin(), solids.end()});
   }
   self.device = rtcNewDevice(nullptr);
@@ -395,48 +378,7 @@ ClosestPoint Caster::closest(const Vector3& point) const {
   return result;
 }
 
-bool Caster::is_inside(const Vector3& point) const {
-  const Caster& all = whole() != nullptr ? *whole() : *this;
-  const std::optional<bool> told = all.side_by_rays(point);
-  return told ? *told : all.winding(point) > 0.5;
-}
-
-std::optional<bool> Caster::side_by_rays(const Vector3& point) const {
-  // Along no axis, since edges and faces often are.
-  static const std::array<Vector3, 3> directions{Vector3(0.37, 0.61, 0.7).normalized(),
-                                                 Vector3(-0.67, 0.31, -0.53).normalized(),
-                                                 Vector3(0.29, -0.79, 0.47).normalized()};
-  // One ray may leave by a gap some um wide, hardly two.
-  const bool closes = implementation_->doubtful.empty();
-  std::optional<bool> told;
-  for (const Vector3& direction : directions) {
-    const std::optional<bool> inside = side_by_ray(point, direction);
-    if (inside && (closes || inside == told)) return inside;
-    if (inside && told) return std::nullopt;
-    if (inside) told = inside;
-  }
-  return std::nullopt;
-}
-
-std::optional<bool> Caster::side_by_ray(const Vector3& point, const Vector3& direction) const {
-  const Implementation& self = *implementation_;
-  const double lift = ray_lift_share * self.diagonal;
-  thread_local std::vector<Crossing> crossings;
-  self.collect(point - lift * direction, direction, lift, crossings);
-  std::erase_if(crossings, [&](const Crossing& c) { return c.depth < -lift / 2; });
-  std::sort(crossings.begin(), crossings.end(),
-            [](const Crossing& a, const Crossing& b) { return a.depth < b.depth; });
-  for (std::size_t i = 0; i < crossings.size(); ++i) {
-    // From the last on, which must be an exit, exits and entries take turns.
-    const bool entry = (crossings.size() - i) % 2 == 0;
-    if (crossings[i].entry != entry || crossings[i].depth < lift / 2 ||
-        std::abs(self.normals[crossings[i].triangle].dot(direction)) < flat_cosine ||
-        self.is_at_side(crossings[i].triangle, point + crossings[i].depth * direction)) {
-      return std::nullopt;
-    }
-  }
-  return crossings.size() % 2 != 0;
-}
+bool Caster::is_inside(const Vector3& point) const { return winding(point) > 0; }
 
 bool Caster::surrounds(const Vector3& point, double away) const {
   if (is_inside(point)) return true;
@@ -454,9 +396,9 @@ bool Caster::surrounds(const Vector3& point, double away) const {
 
 const Caster* Caster::whole() const { return implementation_->whole.get(); }
 
-double Caster::winding(const Vector3& point) const {
-  const Caster* all = whole();
-  return all != nullptr ? all->winding(point) : implementation_->winding->at(point);
+int Caster::winding(const Vector3& point) const {
+  const Caster& all = whole() != nullptr ? *whole() : *this;
+  return all.implementation_->boundary->winding(point);
 }
 
 void Caster::within(const Vector3& point, double radius,

@@ -65,15 +65,11 @@ class Caster {
 
   /// The winding number of what tells the side: of the solids' triangles, or of
   /// OuterSurface::sides.
-  [[nodiscard]] double winding(const Vector3& point) const;
-  /// Whether that is at least 1, as far as it can be told from 0.
+  [[nodiscard]] int winding(const Vector3& point) const;
+  /// Whether that is at least 1.
   [[nodiscard]] bool is_inside(const Vector3& point) const;
   /// The same, or the point is in a gap between parts. It is `away` from the solids, m.
   [[nodiscard]] bool surrounds(const Vector3& point, double away) const;
-  /// Whether a point is inside of solids whose surfaces are each passed once, by the crossings of a
-  /// ray, which take turns then. Empty where rays meet edges or flanks, or surfaces lie on each
-  /// other.
-  [[nodiscard]] std::optional<bool> side_by_rays(const Vector3& point) const;
   /// Over OuterSurface::sides, where there are some.
   [[nodiscard]] const Caster* whole() const;
 
@@ -91,9 +87,6 @@ class Caster {
   [[nodiscard]] double diagonal() const;
 
  private:
-  [[nodiscard]] std::optional<bool> side_by_ray(const Vector3& point,
-                                                const Vector3& direction) const;
-
   struct Implementation;
   std::unique_ptr<Implementation> implementation_;
 };

@@ -70,8 +70,9 @@ bool CubeSide::is_inside(const LatticeSurface& surface, const Cube& cube, const 
   const double gap = gap_steps * surface.step;
   if (away <= 2 * gap) return false;
   const bool near = std::any_of(passing.begin(), passing.end(), [&](std::uint32_t triangle) {
-    if (triangle < surface.triangles.size()) return false;
-    const auto& [a, b, c] = surface.any_triangle(triangle).corners;
+    const LatticeTriangle& wall = surface.any_triangle(triangle);
+    if (triangle < surface.triangles.size() || !reaches(wall, {point, 0}, gap)) return false;
+    const auto& [a, b, c] = wall.corners;
     return (closest_on_triangle(point, a, b, c) - point).norm() < gap;
   });
   return near && surface.caster->surrounds(point, away);
@@ -94,8 +95,6 @@ std::optional<CubeSide> find_cube_side(const LatticeSurface& surface, const Cube
     });
     if (solids.size() > max_crossed) return std::nullopt;
   }
-  // Where parts overlap, their surfaces may be passed more than once.
-  constexpr double most_winding = 1.5;
   std::array<double, places_of_cube> away = distances_of_places(surface, cube, solids);
   for (std::uint32_t tries = 0; tries < places_of_cube; ++tries) {
     const auto farthest = std::max_element(away.begin(), away.end());
@@ -106,13 +105,9 @@ std::optional<CubeSide> find_cube_side(const LatticeSurface& surface, const Cube
     if (whole == nullptr) {
       return CubeSide{{number, surface.caster->surrounds(place, distance)}, std::move(solids)};
     }
-    std::optional<bool> inside = whole->side_by_rays(place);
-    if (!inside) {
-      const double winding = whole->winding(place);
-      if (winding > most_winding) continue;
-      inside = winding > 0.5;
-    }
-    return CubeSide{{number, *inside}, std::move(solids)};
+    // Where parts overlap, their surfaces may be passed more than once.
+    const int winding = whole->winding(place);
+    if (winding <= 1) return CubeSide{{number, winding == 1}, std::move(solids)};
   }
   return std::nullopt;
 }

@@ -7,11 +7,13 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <map>
 #include <span>
 
 #include "baker/base/cube_bins.hpp"
 #include "baker/mesh/mesh_edges.hpp"
 #include "baker/mesh/triangle_height.hpp"
+#include "baker/surface/sheet_pieces.hpp"
 #include "baker/surface/triangle_split.hpp"
 #include "common/surface/closest_on_triangle.hpp"
 
@@ -32,8 +34,8 @@ constexpr double sliver_spacing = 25, most_of_sliver = 64;
 class Gaps {
  public:
   Gaps(const Mesh& mesh, std::span<const TrianglePair> facing,
-       std::span<const std::uint32_t> planes, double narrow, const WindingNumber& winding)
-      : mesh_(mesh), narrow_(narrow), winding_(winding) {
+       std::span<const std::uint32_t> planes, double narrow, const SolidSide& solids)
+      : mesh_(mesh), narrow_(narrow), solids_(solids) {
     // Both ways round; sheets face nobody.
     std::vector<CubeBins::Member> members;
     for (const auto& [one, other] : facing) {
@@ -117,7 +119,7 @@ class Gaps {
                        [&](double share) { return inside(place + share * narrow_ * normal); });
   }
 
-  [[nodiscard]] bool inside(const Vector3& place) const { return winding_.at(place) >= 0.5; }
+  [[nodiscard]] bool inside(const Vector3& place) const { return solids_.winding(place) > 0; }
 
   [[nodiscard]] std::array<Vector3, 3> corners(std::uint32_t triangle) const {
     const auto& [a, b, c] = mesh_.triangles[triangle];
@@ -141,7 +143,7 @@ class Gaps {
 
   const Mesh& mesh_;
   double narrow_;  ///< m
-  const WindingNumber& winding_;
+  const SolidSide& solids_;
   CubeBins facing_;
   std::vector<Eigen::AlignedBox3d> gaps_;  ///< around the gap between each two
 };
@@ -150,9 +152,9 @@ class Gaps {
 
 Felt without_narrow_gaps(const Mesh& mesh, std::span<const TrianglePair> facing,
                          std::span<const std::uint32_t> planes, double narrow,
-                         const WindingNumber& winding, std::vector<Vector3>& points,
+                         const SolidSide& solids, std::vector<Vector3>& points,
                          const std::vector<LooseTriangle>& triangles) {
-  const Gaps gaps(mesh, facing, planes, narrow, winding);
+  const Gaps gaps(mesh, facing, planes, narrow, solids);
   std::vector<Triangle> whole;
   std::vector<SeenCut> cuts;
   std::vector<std::array<Vector3, 2>> outline;
@@ -174,13 +176,13 @@ Felt without_narrow_gaps(const Mesh& mesh, std::span<const TrianglePair> facing,
     const LooseTriangle& parent = triangles[split.parents[piece]];
     felt[piece] = gaps.is_felt({split.points[a], split.points[b], split.points[c]}, parent) ? 1 : 0;
   });
-  // Nothing has to meet a sheet's cuts: one of which all is felt stays whole.
-  std::vector<char> whole_sheet(mesh.triangles.size(), 0);
-  for (const LooseTriangle& one : triangles) whole_sheet[one.parent] = one.sheet ? 1 : 0;
-  for (std::size_t piece = 0; piece < felt.size(); ++piece) {
-    if (felt[piece] == 0) whole_sheet[triangles[split.parents[piece]].parent] = 0;
-  }
   Felt left;
+  std::map<std::uint32_t, PiecesOfSheet> sheets;
+  const auto hide = [&](const Triangle& piece) {
+    const auto& [a, b, c] = piece;
+    ++left.hidden;
+    left.hidden_area += triangle_area(split.points[a], split.points[b], split.points[c]);
+  };
   for (std::size_t begin = 0; begin < felt.size();) {
     const LooseTriangle& parent = triangles[split.parents[begin]];
     std::size_t end = begin;
@@ -188,23 +190,33 @@ Felt without_narrow_gaps(const Mesh& mesh, std::span<const TrianglePair> facing,
     const auto from = felt.begin() + static_cast<std::ptrdiff_t>(begin);
     const bool is_all = std::all_of(from, felt.begin() + static_cast<std::ptrdiff_t>(end),
                                     [](char kept) { return kept != 0; });
-    if (is_all && whole_sheet[parent.parent] == 0) left.triangles.push_back(parent);
-    if (is_all) begin = end;
+    if (parent.sheet) {
+      PiecesOfSheet& sheet = sheets[parent.parent];
+      for (; begin < end; ++begin) {
+        (felt[begin] != 0 ? sheet.felt : sheet.hidden).push_back(split.pieces[begin]);
+      }
+    } else if (is_all) {
+      left.triangles.push_back(parent);
+      begin = end;
+    }
     for (; begin < end; ++begin) {
-      const auto& [a, b, c] = split.pieces[begin];
-      if (felt[begin] != 0) {
+      if (felt[begin] == 0) {
+        hide(split.pieces[begin]);
+      } else {
         left.triangles.push_back(parent);
         left.triangles.back().corners = split.pieces[begin];
-      } else {
-        ++left.hidden;
-        left.hidden_area += triangle_area(split.points[a], split.points[b], split.points[c]);
       }
     }
   }
-  for (std::uint32_t t = 0; t < whole_sheet.size(); ++t) {
-    if (whole_sheet[t] != 0) left.triangles.push_back({mesh.triangles[t], true, false, t});
+  for (const auto& [sheet, pieces] : sheets) {
+    for (const Triangle& piece : pieces.hidden) hide(piece);
   }
   points = split.points;
+  const std::vector<LooseTriangle> felt_sheets = felt_of_sheets(
+      mesh, sheets, points, [&](const std::array<Vector3, 3>& piece, const LooseTriangle& sheet) {
+        return gaps.is_felt(piece, sheet);
+      });
+  left.triangles.insert(left.triangles.end(), felt_sheets.begin(), felt_sheets.end());
   return left;
 }
 

@@ -97,8 +97,8 @@ void close_gaps(const Mesh& mesh, std::span<const TrianglePair> facing,
   auto sides = std::make_shared<ClosedSurfaces>();
   sides->vertices = surface.vertices;
   sides->triangles = solids_among(loose);
-  const WindingNumber winding(sides->vertices, sides->triangles);
-  Felt left = without_narrow_gaps(mesh, facing, planes, narrow, winding, surface.vertices, loose);
+  const SolidSide solids(sides->vertices, sides->triangles);
+  Felt left = without_narrow_gaps(mesh, facing, planes, narrow, solids, surface.vertices, loose);
   surface.hidden += left.hidden;
   surface.hidden_area += left.hidden_area;
   loose = std::move(left.triangles);

@@ -55,11 +55,13 @@ struct Frame {
 
 using Segment = std::pair<Vector2, Vector2>;
 
-/// A side of a triangle of the mesh that lies in the plane of one that is cut, or over it.
+/// Where a triangle of the mesh lies that has a side in the plane of one that is cut, or over it.
+enum class Lies : std::uint8_t { above, below, on, beside_alike, beside_turned };
+
+/// Such a side.
 struct SideInPlane {
   std::uint32_t from = 0, to = 0;  ///< vertices
-  /// Of a triangle that lies there whole, whether it turns as the one that is cut.
-  enum class Of : std::uint8_t { passing, turning_alike, turning_back } of = Of::passing;
+  Lies lies = Lies::on;
 
   [[nodiscard]] std::pair<std::uint32_t, std::uint32_t> ends() const {
     return std::minmax(from, to);
@@ -71,27 +73,24 @@ struct Traces {
   std::vector<Segment> segments;
   std::vector<SideInPlane> sides;
 
-  void add_whole(const Triangle& other, bool alike) {
-    for (std::size_t k = 0; k < 3; ++k) {
-      sides.push_back({other[k], other[(k + 1) % 3],
-                       alike ? SideInPlane::Of::turning_alike : SideInPlane::Of::turning_back});
-    }
+  void add_whole(const Triangle& other, Lies lies) {
+    for (std::size_t k = 0; k < 3; ++k) sides.push_back({other[k], other[(k + 1) % 3], lies});
   }
 
-  /// The sides, each once, but for those between two triangles that turn alike.
+  /// The sides, each once, but for those across which nothing changes: as many triangles that lie
+  /// alike run along it one way as the other.
   void keep_outlines() {
     std::sort(sides.begin(), sides.end(),
               [](const SideInPlane& a, const SideInPlane& b) { return a.ends() < b.ends(); });
     std::vector<SideInPlane> kept;
     for (auto first = sides.begin(); first != sides.end();) {
-      const auto last = std::find_if(first, sides.end(), [&](const SideInPlane& side) {
-        return side.ends() != first->ends();
-      });
-      const SideInPlane& next = *std::prev(last);
-      const bool is_between = last - first == 2 && first->from == next.to && first->of == next.of &&
-                              first->of != SideInPlane::Of::passing;
-      if (!is_between) kept.push_back(*first);
-      first = last;
+      std::array<int, 5> changes{};
+      auto side = first;
+      for (; side != sides.end() && side->ends() == first->ends(); ++side) {
+        changes[static_cast<std::size_t>(side->lies)] += side->from < side->to ? 1 : -1;
+      }
+      if (changes != std::array<int, 5>{}) kept.push_back(*first);
+      first = side;
     }
     sides = std::move(kept);
   }
@@ -99,7 +98,7 @@ struct Traces {
 
 /// Where a triangle meets a plane: a segment, a side of it, or all three where it lies in the
 /// plane. Whether it does that.
-bool add_meeting(const Frame& frame, const Corners& other, const Triangle& numbers, bool alike,
+bool add_meeting(const Frame& frame, const Corners& other, const Triangle& numbers, Lies lies,
                  double touching, Traces& traces) {
   std::array<double, 3> height{};
   std::size_t in_plane = 0;
@@ -109,7 +108,7 @@ bool add_meeting(const Frame& frame, const Corners& other, const Triangle& numbe
     in_plane += height[i] == 0 ? 1 : 0;
   }
   if (in_plane == 3) {
-    traces.add_whole(numbers, alike);
+    traces.add_whole(numbers, lies);
     return true;
   }
   // A plane passes no more than two places of a triangle's border; most that are near it none.
@@ -118,7 +117,8 @@ bool add_meeting(const Frame& frame, const Corners& other, const Triangle& numbe
   for (std::size_t i = 0; i < 3; ++i) {
     const std::size_t j = (i + 1) % 3;
     if (height[i] == 0 && height[j] == 0) {
-      traces.sides.push_back({numbers[i], numbers[j]});
+      traces.sides.push_back(
+          {numbers[i], numbers[j], height[3 - i - j] > 0 ? Lies::above : Lies::below});
       return false;
     }
     if (height[i] == 0) points[count++] = frame.flat(other[i]);
@@ -250,9 +250,9 @@ Side side_of(const ExactWinding& winding, const Vector3& point, const Frame& fra
     return inside(height) || inside(height / 4) || inside(height / 16);
   };
   const double probe = kind.sheet ? std::max(scale.probe, scale.narrow) : scale.wall;
-  const bool above = inside(probe), below = inside(-probe);
   // A sheet is felt where both its sides are outside, also across a narrow gap.
-  if (kind.sheet) return above || below ? Side::hidden : Side::outer;
+  if (kind.sheet) return inside(probe) || inside(-probe) ? Side::hidden : Side::outer;
+  const bool above = inside(probe), below = inside(-probe);
   if (above == below) return Side::hidden;
   const bool sliver = across != Vector3::Zero();
   const double open = below ? scale.narrow : -scale.narrow;
@@ -382,24 +382,26 @@ SurfacePieces outer_pieces(const Mesh& mesh, const ExactWinding& winding, double
       const Corners there = corners_of(mesh, other);
       const Triangle& numbers = mesh.triangles[other];
       const double along = frame.n.dot(normal_of(there));
-      const bool alike = along > 0;
-      const bool in_plane = add_meeting(frame, there, numbers, alike, scale.touching, traces);
       // What lies on it is told by winding numbers alone.
-      const bool lies_on =
-          in_plane && std::all_of(there.begin(), there.end(), [&](const Vector3& corner) {
-            return std::abs(frame.height(corner)) <= scale.wall / 4;
-          });
+      const bool lies_on = std::all_of(there.begin(), there.end(), [&](const Vector3& corner) {
+        return std::abs(frame.height(corner)) <= scale.wall / 4;
+      });
+      const Lies lies = lies_on ? Lies::on : along > 0 ? Lies::beside_alike : Lies::beside_turned;
+      const bool in_plane = add_meeting(frame, there, numbers, lies, scale.touching, traces);
       kinds[i].stacked = kinds[i].stacked || (lies_on && along < 0);
       if (lies_on || !faces(frame, own, there, narrow, kinds[i].sheet)) continue;
       if (!kinds[i].sheet) kinds[i].facing.push_back(there);
-      if (!in_plane) traces.add_whole(numbers, alike);
+      if (!in_plane) traces.add_whole(numbers, lies);
     }
+    const auto flat = [&](const SideInPlane& side) {
+      return Segment(frame.flat(mesh.vertices[side.from]), frame.flat(mesh.vertices[side.to]));
+    };
+    std::erase_if(traces.sides, [&](const SideInPlane& side) {
+      return !runs_through(polygons[i][0], flat(side), scale.touching);
+    });
     traces.keep_outlines();
     for (const Segment& segment : traces.segments) cut(polygons[i], segment, scale.touching);
-    for (const SideInPlane& side : traces.sides) {
-      cut(polygons[i], {frame.flat(mesh.vertices[side.from]), frame.flat(mesh.vertices[side.to])},
-          scale.touching);
-    }
+    for (const SideInPlane& side : traces.sides) cut(polygons[i], flat(side), scale.touching);
   });
   const bool whole = std::all_of(polygons.begin(), polygons.end(),
                                  [](const auto& pieces) { return pieces.size() == 1; });

@@ -111,24 +111,6 @@ TEST_CASE("The baker's closest point is the sphere's, on both sides") {
   }
 }
 
-TEST_CASE("Rays tell the side of a place as the winding number does") {
-  const Caster caster(
-      surface_of(test::merged(test::torus(0.035, 0.012, 40, 20),
-                              test::moved(test::box({0.02, 0.02, 0.02}), {0, 0, 0.05}))));
-  int told = 0, inside = 0;
-  constexpr int places = 2000;
-  for (std::uint64_t i = 0; i < places; ++i) {
-    const Vector3 point = 0.06 * random_unit(24, i) * random_direction(i);
-    const std::optional<bool> side = caster.side_by_rays(point);
-    if (!side) continue;
-    ++told;
-    inside += *side ? 1 : 0;
-    CHECK(*side == (caster.winding(point) > 0.5));
-  }
-  CHECK(told > 0.99 * places);
-  CHECK(inside > 0.05 * places);
-}
-
 TEST_CASE("The triangles within a radius are those that brute force finds") {
   const OuterSurface surface = surface_of(test::torus(0.035, 0.012, 40, 20));
   const Caster caster(surface);
@@ -152,26 +134,6 @@ TEST_CASE("The triangles within a radius are those that brute force finds") {
                 found.end());
     CHECK(found == expected);
   }
-}
-
-TEST_CASE("A ray that passes an edge within rounding tells nothing wrong of the side") {
-  const Vector3 half(0.01, 0.02, 0.03);
-  const Caster caster(surface_of(test::box(2 * half)));
-  // The first ray that is asked; places before an edge lie on it, to within nanometres.
-  const Vector3 direction = Vector3(0.37, 0.61, 0.7).normalized();
-  std::size_t wrong = 0;
-  for (std::uint64_t i = 0; i < 20'000; ++i) {
-    const auto unit = [&](std::uint64_t k) { return 2 * random_unit(23, 10 * i + k) - 1; };
-    Vector3 on = half.cwiseProduct(Vector3(unit(0), unit(1), unit(2)));
-    const auto free = static_cast<int>(i % 3);
-    for (const int axis : {(free + 1) % 3, (free + 2) % 3})
-      on[axis] = std::copysign(half[axis], on[axis]);
-    const Vector3 nudge = 2e-9 * Vector3(unit(3), unit(4), unit(5));
-    const Vector3 place = on - 0.01 * (0.1 + std::abs(unit(6))) * direction + nudge;
-    const bool inside = (place.cwiseAbs() - half).maxCoeff() < 0;
-    wrong += caster.is_inside(place) == inside ? 0 : 1;
-  }
-  CHECK(wrong == 0);
 }
 
 TEST_CASE("A place inside is told so where the end of a wall before a closed gap is nearest") {

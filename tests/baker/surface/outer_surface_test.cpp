@@ -9,6 +9,7 @@
 #include <utility>
 #include <vector>
 
+#include "baker/mesh/triangle_height.hpp"
 #include "baker/mesh/winding_number.hpp"
 #include "baker/surface/triangle_split.hpp"
 #include "baker/verify/exact_surface.hpp"
@@ -269,6 +270,25 @@ TEST_CASE("A sheet comes after the solids, and what of it lies inside them or on
     CHECK(surface.hidden_area == Approx(1));
     CHECK(volume_of(solids_of(surface)) == Approx(1));
   }
+}
+
+TEST_CASE("A sheet is cut along the outline of what is felt of it alone") {
+  Shape shape;
+  shape.vertices = {{-2, -2, 0}, {2, -2, 0}, {2, 2, 0}, {-2, 2, 0}};
+  shape.triangles = {{0, 1, 2}, {0, 2, 3}};
+  // A dozen blocks side by side on it cover one rectangle.
+  for (int i = 0; i < 12; ++i) {
+    shape = merged(shape, moved(box({0.125, 1, 1}), {0.125 * (i - 5.5), 0, 0.5}));
+  }
+  const OuterSurface surface = surface_of(shape);
+  double area = 0;
+  for (std::size_t i = surface.solid_count; i < surface.triangles.size(); ++i) {
+    const auto& [a, b, c] = surface.triangles[i];
+    area += baker::triangle_area(surface.vertices[a], surface.vertices[b], surface.vertices[c]);
+  }
+  CHECK(area == Approx(16 - 1.5));
+  // Four corners and two places on the diagonal are all that it is cut at.
+  CHECK(surface.triangles.size() - surface.solid_count <= 16);
 }
 
 TEST_CASE("Sheets that cross one another stay as they are") {
