@@ -12,8 +12,9 @@ namespace {
 
 /// By how much of a cell triangles reach farther: far above rounding.
 constexpr double slack = 1e-6;
-/// Cells along the longer side of what is seen, at most.
-constexpr double most_along = 1024;
+/// Cells along the longer side of what is seen: so many times the root of the triangles' number,
+/// and at most.
+constexpr double cells_along = 4, most_along = 1024;
 
 /// Where a side is lowest and highest between two heights; nothing where it does not pass there.
 [[nodiscard]] Eigen::AlignedBox1d between(const Vector3& from, const Vector3& to, double bottom,
@@ -49,7 +50,7 @@ SeenAlong::SeenAlong(const Vector3& way, std::span<const std::array<Vector3, 3>>
   }
   if (box.isEmpty() || !(box.sizes().maxCoeff() > 0)) return;
   const double along =
-      std::clamp(std::sqrt(static_cast<double>(triangles.size())), 1.0, most_along);
+      std::clamp(cells_along * std::sqrt(static_cast<double>(triangles.size())), 1.0, most_along);
   const double edge = box.sizes().maxCoeff() / along;
   const Vector3 margin(slack * edge, slack * edge, 0);
   cells_ = CubeGrid(box.min() - margin, box.sizes() + 2 * margin, edge);

@@ -30,6 +30,9 @@ constexpr double surface_share = 1e-7;
 /// A ray that grazes a triangle more flatly than this keeps Embree's own distance.
 constexpr double grazing_cosine = 1e-6;
 
+/// Of a square of a distance, so that rounding leaves nothing out.
+constexpr double box_slack = 1 + 1e-12;
+
 struct HitCollector {
   RayContext context;
   std::vector<std::uint32_t>* triangles;
@@ -41,6 +44,16 @@ struct Candidate {
   Vector3 closest_point;
   std::uint32_t triangle;
 };
+
+/// Whether the box of a triangle is farther from a point than so much.
+[[nodiscard]] bool is_beyond(const std::array<Vector3, 3>& corners, const Vector3& point,
+                             double distance) {
+  const auto& [a, b, c] = corners;
+  const Vector3 below = a.cwiseMin(b).cwiseMin(c) - point,
+                above = point - a.cwiseMax(b).cwiseMax(c);
+  const Vector3 away = below.cwiseMax(above).cwiseMax(0);
+  return away.squaredNorm() > distance * distance * box_slack;
+}
 
 }  // namespace
 
@@ -401,8 +414,8 @@ int Caster::winding(const Vector3& point) const {
   return all.implementation_->boundary->winding(point);
 }
 
-void Caster::within(const Vector3& point, double radius,
-                    std::vector<std::uint32_t>& triangles) const {
+void Caster::boxes_within(const Vector3& point, double radius,
+                          std::vector<std::uint32_t>& triangles) const {
   const Implementation& self = *implementation_;
   struct Search {
     const Implementation* self;
@@ -422,13 +435,22 @@ void Caster::within(const Vector3& point, double radius,
   rtcInitPointQueryContext(&context);
   const auto visit = [](RTCPointQueryFunctionArguments* arguments) {
     const auto& in = *static_cast<Search*>(arguments->userPtr);
-    const auto& corners = in.self->corners[arguments->primID];
-    const Vector3 closest_point = closest_on_triangle(in.point, corners[0], corners[1], corners[2]);
-    if ((closest_point - in.point).norm() <= in.radius) in.triangles->push_back(arguments->primID);
+    if (!is_beyond(in.self->corners[arguments->primID], in.point, in.radius)) {
+      in.triangles->push_back(arguments->primID);
+    }
     return false;
   };
   rtcPointQuery(self.points, &query, &context, visit, &search);
   std::sort(triangles.begin(), triangles.end());
+}
+
+void Caster::within(const Vector3& point, double radius,
+                    std::vector<std::uint32_t>& triangles) const {
+  boxes_within(point, radius, triangles);
+  std::erase_if(triangles, [&](std::uint32_t triangle) {
+    const auto& [a, b, c] = implementation_->corners[triangle];
+    return (closest_on_triangle(point, a, b, c) - point).norm() > radius;
+  });
 }
 
 const Vector3& Caster::corner(std::uint32_t triangle, int which) const {

@@ -75,6 +75,9 @@ class Caster {
 
   /// Triangles that have a point within `radius` metres of `point`, in ascending order.
   void within(const Vector3& point, double radius, std::vector<std::uint32_t>& triangles) const;
+  /// The same and others whose boxes do, which are found sooner.
+  void boxes_within(const Vector3& point, double radius,
+                    std::vector<std::uint32_t>& triangles) const;
 
   /// A corner of a triangle, and a triangle's unit normal.
   [[nodiscard]] const Vector3& corner(std::uint32_t triangle, int which) const;

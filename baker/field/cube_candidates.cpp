@@ -192,8 +192,10 @@ Candidates nearest_in_parts(const LatticeSurface& surface, const Candidates& can
     for (const auto* kind : {&within.solids, &within.sheets}) {
       for (const Candidate& candidate : kind->triangles) kept.push_back(candidate.triangle);
     }
+    std::sort(kept.begin(), kept.end());
+    kept.erase(std::unique(kept.begin(), kept.end()), kept.end());
+    if (kept.size() == candidates.size()) return candidates;
   }
-  std::sort(kept.begin(), kept.end());
   Candidates found = candidates;
   const auto gone = [&kept](const Candidate& candidate) {
     return !std::binary_search(kept.begin(), kept.end(), candidate.triangle);

@@ -12,6 +12,7 @@
 
 #include "baker/base/cube_bins.hpp"
 #include "baker/field/vertex_patch.hpp"
+#include "common/surface/closest_on_triangle.hpp"
 
 namespace spm::baker {
 
@@ -118,10 +119,16 @@ class EdgeCollapse {
     for (const std::uint32_t other : patch->ring()) {
       reach = std::max(reach, (vertices_[other] - vertices_[vertex]).norm());
     }
+    reach += clear_displacements * rules_.displacement;
     thread_local std::vector<std::uint32_t> near;
-    caster_.within(vertices_[vertex], reach + clear_displacements * rules_.displacement, near);
-    return std::all_of(near.begin(), near.end(), [&](std::uint32_t t) {
-      return !caster_.is_sheet(t) && caster_.normal(t).dot(patch->normal()) > one_way_cosine;
+    caster_.boxes_within(vertices_[vertex], reach, near);
+    return std::none_of(near.begin(), near.end(), [&](std::uint32_t t) {
+      if (!caster_.is_sheet(t) && caster_.normal(t).dot(patch->normal()) > one_way_cosine) {
+        return false;
+      }
+      const Vector3 closest = closest_on_triangle(vertices_[vertex], caster_.corner(t, 0),
+                                                  caster_.corner(t, 1), caster_.corner(t, 2));
+      return (closest - vertices_[vertex]).norm() <= reach;
     });
   }
 

@@ -59,7 +59,7 @@ class Builder {
     // What is felt may be nearer than the middle of a sheet, and a sheet than a solid by rounding.
     if (surface_.sheet_thickness > 0)
       around += 2 * (surface_.sheet_thickness + surface_.displacement);
-    caster_.within(cube.middle, around, triangles);
+    caster_.boxes_within(cube.middle, around, triangles);
     const Candidates candidates = candidates_of(surface_, triangles, cube);
     keep_few(node, candidates, inside);
     if (!beyond) answer(node, candidates, inside, 0);

@@ -1,11 +1,11 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <CGAL/Bbox_2.h>
-
 #include <array>
+#include <optional>
 #include <vector>
 
+#include "baker/base/seen_along.hpp"
 #include "baker/mesh/triangle_fan.hpp"
 
 namespace spm::baker {
@@ -14,9 +14,7 @@ namespace spm::baker {
 class StackedTriangle {
  public:
   explicit StackedTriangle(const std::array<ExactKernel::Point_2, 3>& corners)
-      : corners_(corners),
-        turn_(CGAL::orientation(corners[0], corners[1], corners[2])),
-        box_(corners[0].bbox() + corners[1].bbox() + corners[2].bbox()) {}
+      : corners_(corners), turn_(CGAL::orientation(corners[0], corners[1], corners[2])) {}
 
   [[nodiscard]] CGAL::Orientation turn() const { return turn_; }
   /// Where a place lies: on the triangle, beyond it, or on one of its sides.
@@ -25,12 +23,22 @@ class StackedTriangle {
  private:
   std::array<ExactKernel::Point_2, 3> corners_;
   CGAL::Orientation turn_;
-  CGAL::Bbox_2 box_;
 };
 
-/// How many of these turn as they are seen, less those that turn the other way, over a triangle
-/// that no side of them passes.
-[[nodiscard]] int stacked_over(const std::array<ExactKernel::Point_2, 3>& triangle,
-                               const std::vector<StackedTriangle>& stacked);
+/// Some that lie on each other.
+class Stack {
+ public:
+  explicit Stack(const std::vector<std::array<ExactKernel::Point_2, 3>>& triangles);
+
+  /// How many of these turn as they are seen, less those that turn the other way, over a triangle
+  /// that no side of them passes.
+  [[nodiscard]] int over(const std::array<ExactKernel::Point_2, 3>& triangle) const;
+
+ private:
+  [[nodiscard]] std::optional<int> at(const ExactKernel::Point_2& place) const;
+
+  std::vector<StackedTriangle> triangles_;
+  SeenAlong seen_;
+};
 
 }  // namespace spm::baker

@@ -95,9 +95,9 @@ class Splitter {
     for (const auto& [vertex, corner] : ends) vertex->info() = corner;
     if (triangles.size() > 1) {
       for (const std::uint32_t triangle : triangles) mesh_.split.add(1, triangles_[triangle][0]);
-      std::vector<StackedTriangle> stacked;
-      for (const std::uint32_t triangle : triangles) stacked.emplace_back(seen(triangle, cuts));
-      add_stacked(triangulation, first, stacked);
+      std::vector<std::array<Exact::Point_2, 3>> stacked;
+      for (const std::uint32_t triangle : triangles) stacked.push_back(seen(triangle, cuts));
+      add_stacked(triangulation, first, Stack(stacked));
       return;
     }
     if (triangulation.number_of_faces() > 1) mesh_.split.add(1, triangles_[first][0]);
@@ -123,8 +123,7 @@ class Splitter {
 
   /// Adds the pieces of triangles that are cut as one. Between cuts as many lie on each other
   /// everywhere.
-  void add_stacked(Triangulation& triangulation, std::uint32_t first,
-                   const std::vector<StackedTriangle>& stacked) {
+  void add_stacked(Triangulation& triangulation, std::uint32_t first, const Stack& stack) {
     for (const auto face : triangulation.finite_face_handles()) face->info() = 0;
     for (const auto start : triangulation.finite_face_handles()) {
       if (start->info() != 0) continue;
@@ -140,7 +139,7 @@ class Splitter {
       const auto largest = *std::max_element(
           between.begin(), between.end(),
           [](const auto& one, const auto& other) { return seen_area(one) < seen_area(other); });
-      const int sum = stacked_over(places_at(largest), stacked);
+      const int sum = stack.over(places_at(largest));
       // Where as many face one way as the other there is no surface.
       if (sum == 0) continue;
       for (const auto face : between) {

@@ -133,10 +133,10 @@ bool add_meeting(const Frame& frame, const Corners& other, const Triangle& numbe
 
 /// Whether a triangle faces the one of a frame, or lies along it
 /// where that one is a sheet's, and one lies within the narrow distance of the other's plane.
-bool faces(const Frame& frame, const Corners& own, const Corners& other, double narrow,
-           bool sheet) {
+/// `along`: the product of their normals.
+bool faces(const Frame& frame, const Corners& own, const Corners& other, double along,
+           double narrow, bool sheet) {
   constexpr double opposite = -0.98;
-  const double along = frame.n.dot(normal_of(other));
   if (!(narrow > 0) || !((sheet ? -std::abs(along) : along) < opposite)) return false;
   const Frame back(other);
   const auto within = [narrow](const Frame& plane, const Corners& corners) {
@@ -198,7 +198,7 @@ void cut(std::vector<Polygon>& polygons, const Segment& segment, double touching
   }
 }
 
-/// For each triangle, the triangles whose boxes are no farther from its box than the narrow
+/// For each triangle, those of solids whose boxes are no farther from its box than the narrow
 /// distance, along each axis, in order.
 CubeBins neighbours(const Mesh& mesh, double narrow) {
   using Box = CGAL::Box_intersection_d::Box_with_info_d<double, 3, std::uint32_t>;
@@ -210,10 +210,12 @@ CubeBins neighbours(const Mesh& mesh, double narrow) {
     const Vector3 high = t[0].cwiseMax(t[1]).cwiseMax(t[2]).array() + narrow / 2;
     boxes.emplace_back(CGAL::Bbox_3(low.x(), low.y(), low.z(), high.x(), high.y(), high.z()), i);
   }
-  auto all = of_meeting_boxes<CubeBins::Member>(boxes, [](const Box& a, const Box& b, auto& found) {
-    found.emplace_back(a.info(), b.info());
-    found.emplace_back(b.info(), a.info());
-  });
+  const std::size_t solids = mesh.solid_triangles();
+  auto all =
+      of_meeting_boxes<CubeBins::Member>(boxes, [&](const Box& a, const Box& b, auto& found) {
+        if (b.info() < solids) found.emplace_back(a.info(), b.info());
+        if (a.info() < solids) found.emplace_back(b.info(), a.info());
+      });
   tbb::parallel_sort(all);
   return {boxes.size(), all};
 }
@@ -371,6 +373,8 @@ SurfacePieces outer_pieces(const Mesh& mesh, const ExactWinding& winding, double
   const CubeBins near = neighbours(mesh, narrow);
   std::vector<std::vector<Polygon>> polygons(mesh.triangles.size());
   std::vector<Kind> kinds(mesh.triangles.size());
+  std::vector<Vector3> normals(mesh.solid_triangles());
+  for (std::size_t i = 0; i < normals.size(); ++i) normals[i] = normal_of(corners_of(mesh, i));
   tbb::parallel_for(std::size_t{0}, mesh.triangles.size(), [&](std::size_t i) {
     const Corners own = corners_of(mesh, i);
     const Frame frame(own);
@@ -378,10 +382,9 @@ SurfacePieces outer_pieces(const Mesh& mesh, const ExactWinding& winding, double
     polygons[i] = {{frame.flat(own[0]), frame.flat(own[1]), frame.flat(own[2])}};
     Traces traces;
     for (const std::uint32_t other : near.of(i, i)) {
-      if (other >= mesh.solid_triangles()) continue;
       const Corners there = corners_of(mesh, other);
       const Triangle& numbers = mesh.triangles[other];
-      const double along = frame.n.dot(normal_of(there));
+      const double along = frame.n.dot(normals[other]);
       // What lies on it is told by winding numbers alone.
       const bool lies_on = std::all_of(there.begin(), there.end(), [&](const Vector3& corner) {
         return std::abs(frame.height(corner)) <= scale.wall / 4;
@@ -389,7 +392,7 @@ SurfacePieces outer_pieces(const Mesh& mesh, const ExactWinding& winding, double
       const Lies lies = lies_on ? Lies::on : along > 0 ? Lies::beside_alike : Lies::beside_turned;
       const bool in_plane = add_meeting(frame, there, numbers, lies, scale.touching, traces);
       kinds[i].stacked = kinds[i].stacked || (lies_on && along < 0);
-      if (lies_on || !faces(frame, own, there, narrow, kinds[i].sheet)) continue;
+      if (lies_on || !faces(frame, own, there, along, narrow, kinds[i].sheet)) continue;
       if (!kinds[i].sheet) kinds[i].facing.push_back(there);
       if (!in_plane) traces.add_whole(numbers, lies);
     }
