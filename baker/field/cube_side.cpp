@@ -59,25 +59,6 @@ bool any_doubted(const LatticeSurface& surface, std::span<const std::uint32_t> t
   });
 }
 
-bool CubeSide::is_inside(const LatticeSurface& surface, const Cube& cube, const Vector3& point,
-                         double away) const {
-  const auto corners = [&](std::size_t k) { return surface.any_triangle(passing[k]).corners; };
-  const std::optional<bool> inside =
-      is_surrounded(passing.size(), corners, known, cube.middle, cube.half, point);
-  if (inside == true) return true;
-  if (!inside) return surface.caster->surrounds(point, away);
-  // It is in a gap only where a wall is near that is not felt; those come after the felt ones.
-  const double gap = gap_steps * surface.step;
-  if (away <= 2 * gap) return false;
-  const bool near = std::any_of(passing.begin(), passing.end(), [&](std::uint32_t triangle) {
-    const LatticeTriangle& wall = surface.any_triangle(triangle);
-    if (triangle < surface.triangles.size() || !reaches(wall, {point, 0}, gap)) return false;
-    const auto& [a, b, c] = wall.corners;
-    return (closest_on_triangle(point, a, b, c) - point).norm() < gap;
-  });
-  return near && surface.caster->surrounds(point, away);
-}
-
 std::optional<CubeSide> find_cube_side(const LatticeSurface& surface, const Cube& cube,
                                        std::vector<std::uint32_t> solids) {
   // Nearer than that, rounding would decide.

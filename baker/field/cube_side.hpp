@@ -16,10 +16,6 @@ namespace spm::baker {
 struct CubeSide {
   KnownPlace known;
   std::vector<std::uint32_t> passing;  ///< LatticeSurface::any_triangle
-
-  /// Whether a point of the cube, so far from the solids (m), is inside.
-  [[nodiscard]] bool is_inside(const LatticeSurface& surface, const Cube& cube,
-                               const Vector3& point, double away) const;
 };
 
 /// Whether places beside some part of one of these triangles are told by crossings alone.

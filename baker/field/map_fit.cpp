@@ -9,7 +9,6 @@
 #include <numbers>
 
 #include "baker/field/corner_distances.hpp"
-#include "baker/field/cube_side.hpp"
 #include "common/base/octant.hpp"
 
 namespace spm::baker {
@@ -222,13 +221,6 @@ std::vector<CubeSample> sample_cube(const LatticeSurface& surface, const Candida
                                     const Cube& cube, std::optional<bool> inside) {
   const CandidatesOfKind& candidates = all.only_kind();
   const double felt = felt_nearer(surface, all);
-  // Where the surface does not close, nothing but crossings tells.
-  std::optional<CubeSide> side;
-  if (!inside && !surface.crossed.empty()) {
-    std::vector<std::uint32_t> solids;
-    for (const Candidate& candidate : all.solids.triangles) solids.push_back(candidate.triangle);
-    if (any_doubted(surface, solids)) side = find_cube_side(surface, cube, std::move(solids));
-  }
   std::vector<CubeSample> samples(std::size_t{nodes} * nodes * nodes);
   for (std::size_t block = 0; block < 8; ++block) {
     const Vector3 middle = sample_middle * octant_direction(block);
@@ -245,9 +237,7 @@ std::vector<CubeSample> sample_cube(const LatticeSurface& surface, const Candida
       if (!candidates.triangles.empty()) {
         part.meet(surface.triangles[candidates.triangles[nearest[k]].triangle], point);
       }
-      const bool within = inside ? *inside
-                          : side ? side->is_inside(surface, cube, point, part.distance)
-                                 : part.is_inside(surface, point);
+      const bool within = inside ? *inside : part.is_inside(surface, point);
       const double distance = within ? -part.distance : part.distance;
       sample.distance = distance - felt;
       if (part.distance > 0) {
