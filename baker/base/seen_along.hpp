@@ -21,14 +21,22 @@ class SeenAlong {
   [[nodiscard]] std::span<const std::uint32_t> over(const Vector3& point) const;
 
  private:
+  using Corners = std::array<Vector3, 3>;
+  /// The cells of a box, and by cell what lies over it, or the level that divides it further.
+  struct Level {
+    CubeGrid cells;
+    CubeBins over;
+    std::vector<std::uint32_t> finer;  ///< 0 for none
+  };
+
   [[nodiscard]] Vector3 seen(const Vector3& p) const;
-  void list(const std::array<Vector3, 3>& triangle, std::uint32_t number,
-            std::vector<CubeBins::Member>& members) const;
+  std::uint32_t add_level(const Vector3& low, const Vector3& size,
+                          std::span<const Corners> triangles,
+                          std::span<const std::uint32_t> numbers, int depth);
 
   Vector3 way_ = Vector3::UnitX();
   int axis_ = 0;  ///< the one that is closest to the way
-  CubeGrid cells_;
-  CubeBins over_;
+  std::vector<Level> levels_;
 };
 
 }  // namespace spm::baker

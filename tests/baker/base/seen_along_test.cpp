@@ -48,6 +48,26 @@ TEST_CASE("A triangle is found over every place of it, whatever its shape") {
   }
 }
 
+TEST_CASE("Where thousands lie close together few are found over a place, and that one of them") {
+  std::vector<std::array<Vector3, 3>> triangles{
+      {Vector3(-50, -50, 0), Vector3(50, -50, 0), Vector3(0, 50, 0)}};
+  for (std::uint64_t i = 0; i < 4000; ++i) {
+    const Vector3 at = 0.5 * anywhere(7, i);
+    triangles.push_back({at, at + 0.01 * anywhere(8, i), at + 0.01 * anywhere(9, i)});
+  }
+  const SeenAlong seen(Vector3(0.02, -0.03, 1), triangles);
+  std::size_t missed = 0, listed = 0;
+  for (std::uint32_t i = 1; i < triangles.size(); ++i) {
+    const auto& [a, b, c] = triangles[i];
+    const auto found = seen.over(0.3 * a + 0.3 * b + 0.4 * c);
+    missed += std::find(found.begin(), found.end(), i) == found.end() ? 1 : 0;
+    missed += std::find(found.begin(), found.end(), 0) == found.end() ? 1 : 0;
+    listed += found.size();
+  }
+  CHECK(missed == 0);
+  CHECK(listed < 100 * triangles.size());
+}
+
 TEST_CASE("Beside all triangles there is none, and of none neither") {
   const std::vector<std::array<Vector3, 3>> one{
       {Vector3(0, 0, 0), Vector3(1, 0, 0), Vector3(0, 1, 0)}};
