@@ -123,12 +123,13 @@ std::uint32_t SeenAlong::add_level(const Vector3& low, const Vector3& size,
   for (std::size_t cell = 0; cell < cells.cubes(); ++cell) {
     const std::span<const std::uint32_t> over = levels_[own].over.of(cell, cell);
     if (over.size() <= crowded) continue;
-    const auto column = static_cast<double>(cell % static_cast<std::size_t>(cells.count[0]));
-    const auto row = static_cast<double>(cell / static_cast<std::size_t>(cells.count[0]));
+    const auto columns = static_cast<std::size_t>(cells.count[0]);
+    const std::size_t column = cell % columns, row = cell / columns;
+    const Vector3 corner(static_cast<double>(column), static_cast<double>(row), 0);
     finer.resize(cells.cubes(), 0);
     const std::vector<std::uint32_t> crowd(over.begin(), over.end());
-    finer[cell] = add_level(cells.low + cells.edge * Vector3(column, row, 0),
-                            Vector3(cells.edge, cells.edge, 0), triangles, crowd, depth + 1);
+    finer[cell] = add_level(cells.low + cells.edge * corner, Vector3(cells.edge, cells.edge, 0),
+                            triangles, crowd, depth + 1);
   }
   levels_[own].finer = std::move(finer);
   return own;

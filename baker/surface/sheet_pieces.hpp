@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "baker/mesh/mesh.hpp"
-#include "baker/surface/outer_surface.hpp"
+#include "baker/mesh/sliver_removal.hpp"
 #include "common/base/vector.hpp"
 
 namespace spm::baker {
