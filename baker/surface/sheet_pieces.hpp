@@ -9,7 +9,6 @@
 
 #include "baker/mesh/mesh.hpp"
 #include "baker/mesh/sliver_removal.hpp"
-#include "common/base/vector.hpp"
 
 namespace spm::baker {
 

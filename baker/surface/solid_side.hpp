@@ -9,7 +9,6 @@
 #include "baker/base/seen_along.hpp"
 #include "baker/mesh/mesh.hpp"
 #include "baker/mesh/winding_number.hpp"
-#include "common/base/vector.hpp"
 
 namespace spm::baker {
 
