@@ -34,12 +34,10 @@ Meets meeting(const Point& from, const Point& to, const Kernel::Triangle_3& t) {
     if (is_left && is_right) return Meets::not_at_all;
   }
   const CGAL::Orientation beside = CGAL::orientation(t[0], t[1], t[2], from);
-  if (at_border) {
-    // In the plane of a triangle, too.
-    const bool behind = beside == (is_left ? CGAL::POSITIVE : CGAL::NEGATIVE);
-    return (is_left || is_right) && behind ? Meets::not_at_all : Meets::at_border;
-  }
+  // In the plane of a triangle it meets the border, too.
+  if (!is_left && !is_right) return Meets::at_border;
   if (beside == (is_left ? CGAL::POSITIVE : CGAL::NEGATIVE)) return Meets::not_at_all;
+  if (at_border) return Meets::at_border;
   return is_left ? Meets::along_normal : Meets::against_normal;
 }
 
