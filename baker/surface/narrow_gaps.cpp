@@ -192,8 +192,10 @@ Felt without_narrow_gaps(const Mesh& mesh, std::span<const TrianglePair> facing,
                                     [](char kept) { return kept != 0; });
     if (parent.sheet) {
       PiecesOfSheet& sheet = sheets[parent.parent];
+      sheet.any_hidden = sheet.any_hidden || !is_all;
       for (; begin < end; ++begin) {
-        (felt[begin] != 0 ? sheet.felt : sheet.hidden).push_back(split.pieces[begin]);
+        if (felt[begin] != 0) sheet.felt.push_back(split.pieces[begin]);
+        if (felt[begin] == 0) hide(split.pieces[begin]);
       }
     } else if (is_all) {
       left.triangles.push_back(parent);
@@ -207,9 +209,6 @@ Felt without_narrow_gaps(const Mesh& mesh, std::span<const TrianglePair> facing,
         left.triangles.back().corners = split.pieces[begin];
       }
     }
-  }
-  for (const auto& [sheet, pieces] : sheets) {
-    for (const Triangle& piece : pieces.hidden) hide(piece);
   }
   points = split.points;
   const std::vector<LooseTriangle> felt_sheets = felt_of_sheets(

@@ -79,7 +79,7 @@ std::vector<LooseTriangle> felt_of_sheets(const Mesh& mesh,
   std::vector<SeenCut> cuts;
   for (const auto& [sheet, pieces] : sheets) {
     if (pieces.felt.empty()) continue;
-    if (pieces.hidden.empty()) {
+    if (!pieces.any_hidden) {
       felt.push_back({mesh.triangles[sheet], true, false, sheet});
       continue;
     }

@@ -12,9 +12,10 @@
 
 namespace spm::baker {
 
-/// The pieces that a triangle of a sheet was cut into to find what of it is felt.
+/// Of the pieces that a triangle of a sheet was cut into, those that are felt.
 struct PiecesOfSheet {
-  std::vector<Triangle> felt, hidden;
+  std::vector<Triangle> felt;
+  bool any_hidden = false;  ///< there are others
 };
 
 /// Whether a piece of a triangle of the mesh is felt, by its corners.
