@@ -15,7 +15,7 @@ namespace spm::baker {
 namespace {
 
 /// So many of the nearest triangles are tried as the one that is nearer in all of the cube.
-constexpr std::size_t witnesses = 4;
+constexpr std::size_t most_witnesses = 4;
 /// Fewer candidates than this are not worth a second look.
 constexpr std::size_t few = 6;
 /// Of distances, so that the rounding of doubles leaves none out.
@@ -57,21 +57,21 @@ std::size_t count_within(const std::vector<Candidate>& from, double most) {
 }
 
 void find_witnesses(const LatticeSurface& surface, const Cube& cube,
-                    const std::vector<Candidate>& from, double most, CandidatesOfKind& found) {
-  std::array<Candidate, witnesses> first;
+                    const std::vector<Candidate>& from, double most, std::vector<Witness>& found) {
+  std::array<Candidate, most_witnesses> first;
   const auto last =
       std::partial_sort_copy(from.begin(), from.end(), first.begin(), first.end(), nearer);
   for (auto one = first.begin(); one != last && one->distance <= most; ++one) {
-    found.witnesses.push_back(
-        {one->triangle,
-         corner_distances(surface.triangles[one->triangle].corners, cube.middle, cube.half)});
+    found.push_back({one->triangle, corner_distances(surface.triangles[one->triangle].corners,
+                                                     cube.middle, cube.half)});
   }
 }
 
-/// Keeps those no farther than `most`, but for what witnesses cover: where a witness is nearer in
-/// all of the cube, its distances at the corners are below the tangent. None is below its own.
-void keep_near(const Cube& cube, const std::vector<Candidate>& from, double most,
-               std::span<const CornerValues> distances, std::vector<Candidate>& to) {
+/// Calls for those no farther than `most`, but for what witnesses cover: where a witness is nearer
+/// in all of the cube, its distances at the corners are below the tangent. None is below its own.
+template <class Keep>
+void each_near(const Cube& cube, const std::vector<Candidate>& from, double most,
+               std::span<const CornerValues> distances, const Keep& keep) {
   thread_local std::vector<Candidate> tried;
   thread_local std::vector<LinearFunction> tangents;
   thread_local std::vector<std::uint8_t> covered;
@@ -84,12 +84,16 @@ void keep_near(const Cube& cube, const std::vector<Candidate>& from, double most
   }
   find_above(tangents, distances, covered);
   for (std::size_t i = 0; i < tried.size(); ++i) {
-    if (covered[i] == 0) to.push_back(tried[i]);
+    if (covered[i] == 0) keep(tried[i]);
   }
-  std::sort(to.begin(), to.end(), nearer);
 }
 
-Candidates narrowed(const LatticeSurface& surface, const Cube& cube, const Near& near) {
+/// Calls for each candidate that may be the nearest to a place of a cube, first those of solids.
+/// Returns the witnesses of solids and of sheets.
+template <class KeepSolid, class KeepSheet>
+std::array<std::vector<Witness>, 2> each_narrowed(const LatticeSurface& surface, const Cube& cube,
+                                                  const Near& near, const KeepSolid& keep_solid,
+                                                  const KeepSheet& keep_sheet) {
   const double span = 2 * cube.radius() + slack;
   double solid = least_distance(near.solids);
   const double sheet = least_distance(near.sheets);
@@ -99,19 +103,34 @@ Candidates narrowed(const LatticeSurface& surface, const Cube& cube, const Near&
   if (sheets_only) solid = std::numeric_limits<double>::infinity();
   const double most_solid = sheets_only ? -1 : solid + span;
   const double most_sheet = std::min(sheet, solid + surface.sheet_thickness) + span;
-  Candidates found;
+  std::array<std::vector<Witness>, 2> witnesses;
   const std::size_t count =
       count_within(near.solids, most_solid) + count_within(near.sheets, most_sheet);
   if (count > few) {
-    find_witnesses(surface, cube, near.solids, most_solid, found.solids);
-    find_witnesses(surface, cube, near.sheets, most_sheet, found.sheets);
+    find_witnesses(surface, cube, near.solids, most_solid, witnesses[0]);
+    find_witnesses(surface, cube, near.sheets, most_sheet, witnesses[1]);
   }
-  std::vector<CornerValues> distances;
-  for (const Witness& witness : found.solids.witnesses) distances.push_back(witness.distances);
-  keep_near(cube, near.solids, most_solid, distances, found.solids.triangles);
+  thread_local std::vector<CornerValues> distances;
+  distances.clear();
+  for (const Witness& witness : witnesses[0]) distances.push_back(witness.distances);
+  each_near(cube, near.solids, most_solid, distances, keep_solid);
   for (CornerValues& values : distances) values += surface.sheet_thickness;
-  for (const Witness& witness : found.sheets.witnesses) distances.push_back(witness.distances);
-  keep_near(cube, near.sheets, most_sheet, distances, found.sheets.triangles);
+  for (const Witness& witness : witnesses[1]) distances.push_back(witness.distances);
+  each_near(cube, near.sheets, most_sheet, distances, keep_sheet);
+  return witnesses;
+}
+
+Candidates narrowed(const LatticeSurface& surface, const Cube& cube, const Near& near) {
+  Candidates found;
+  const auto add_to = [](CandidatesOfKind& kind) {
+    return [&kind](const Candidate& candidate) { kind.triangles.push_back(candidate); };
+  };
+  auto witnesses = each_narrowed(surface, cube, near, add_to(found.solids), add_to(found.sheets));
+  found.solids.witnesses = std::move(witnesses[0]);
+  found.sheets.witnesses = std::move(witnesses[1]);
+  for (auto* kind : {&found.solids, &found.sheets}) {
+    std::sort(kind->triangles.begin(), kind->triangles.end(), nearer);
+  }
   return found;
 }
 
@@ -137,6 +156,38 @@ void add_near(const LatticeSurface& surface, const std::vector<Candidate>& aroun
   }
 }
 
+/// What may be near enough to a place of an octant, for each of the eight. It is kept from cube to
+/// cube, since to allocate it each time takes longer than to fill it.
+const std::array<Near, 8>& near_octants(const LatticeSurface& surface, const Candidates& around,
+                                        const Cube& cube) {
+  thread_local std::array<Near, 8> near;
+  for (Near& octant : near) octant.clear();
+  std::array<double, 8> nearest;
+  nearest.fill(std::numeric_limits<double>::infinity());
+  add_near(surface, around.solids.triangles, cube, &Near::solids, nearest, near);
+  for (double& distance : nearest) distance += surface.sheet_thickness;
+  add_near(surface, around.sheets.triangles, cube, &Near::sheets, nearest, near);
+  return near;
+}
+
+/// Whether each of some candidates of one kind is the nearest in the middle of an octant: if so,
+/// none is left out of all of them.
+bool all_nearest_to_middles(const LatticeSurface& surface, const CandidatesOfKind& candidates,
+                            const Cube& cube) {
+  if (candidates.triangles.size() > 8) return false;
+  std::array<CornerValues, 8> distances;
+  CornerValues least = CornerValues::Constant(std::numeric_limits<double>::infinity());
+  for (std::size_t i = 0; i < candidates.triangles.size(); ++i) {
+    distances[i] = corner_distances(surface.triangles[candidates.triangles[i].triangle].corners,
+                                    cube.middle, cube.half / 2);
+    least = least.min(distances[i]);
+  }
+  for (std::size_t i = 0; i < candidates.triangles.size(); ++i) {
+    if (!(distances[i] <= least + slack / 2).any()) return false;
+  }
+  return true;
+}
+
 }  // namespace
 
 double Cube::radius() const noexcept { return std::sqrt(3.0) * half; }
@@ -155,14 +206,7 @@ double felt_nearer(const LatticeSurface& surface, const Candidates& candidates) 
 
 std::array<Candidates, 8> candidates_in_octants(const LatticeSurface& surface,
                                                 const Candidates& around, const Cube& cube) {
-  // Kept from cube to cube, since to allocate it each time takes longer than to fill it.
-  thread_local std::array<Near, 8> near;
-  for (Near& octant : near) octant.clear();
-  std::array<double, 8> nearest;
-  nearest.fill(std::numeric_limits<double>::infinity());
-  add_near(surface, around.solids.triangles, cube, &Near::solids, nearest, near);
-  for (double& distance : nearest) distance += surface.sheet_thickness;
-  add_near(surface, around.sheets.triangles, cube, &Near::sheets, nearest, near);
+  const std::array<Near, 8>& near = near_octants(surface, around, cube);
   std::array<Candidates, 8> found;
   for (std::size_t octant = 0; octant < 8; ++octant) {
     found[octant] = narrowed(surface, cube.octant(octant), near[octant]);
@@ -182,15 +226,23 @@ Candidates candidates_of(const LatticeSurface& surface, const std::vector<std::u
 
 Candidates nearest_in_parts(const LatticeSurface& surface, const Candidates& candidates,
                             const Cube& cube, int levels) {
+  if (!candidates.mixed() && all_nearest_to_middles(surface, candidates.only_kind(), cube)) {
+    return candidates;
+  }
   std::vector<std::uint32_t> kept;
-  std::array<Candidates, 8> octants = candidates_in_octants(surface, candidates, cube);
+  const auto keep = [&kept](const Candidate& candidate) { kept.push_back(candidate.triangle); };
+  std::array<Candidates, 8> octants;
+  if (levels > 1) octants = candidates_in_octants(surface, candidates, cube);
+  const std::array<Near, 8>* near = levels > 1 ? nullptr : &near_octants(surface, candidates, cube);
   for (std::size_t octant = 0; octant < 8; ++octant) {
-    Candidates& within = octants[octant];
-    if (levels > 1) {
-      within = nearest_in_parts(surface, within, cube.octant(octant), levels - 1);
-    }
-    for (const auto* kind : {&within.solids, &within.sheets}) {
-      for (const Candidate& candidate : kind->triangles) kept.push_back(candidate.triangle);
+    const Cube part = cube.octant(octant);
+    if (near != nullptr) {
+      each_narrowed(surface, part, (*near)[octant], keep, keep);
+    } else {
+      const Candidates within = nearest_in_parts(surface, octants[octant], part, levels - 1);
+      for (const auto* kind : {&within.solids, &within.sheets}) {
+        std::for_each(kind->triangles.begin(), kind->triangles.end(), keep);
+      }
     }
     std::sort(kept.begin(), kept.end());
     kept.erase(std::unique(kept.begin(), kept.end()), kept.end());

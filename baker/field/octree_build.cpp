@@ -40,8 +40,13 @@ constexpr std::size_t worth_a_look = 64;
 class Builder {
  public:
   Builder(const Caster& caster, const LatticeSurface& surface, std::span<const SupportPlane> planes,
-          const Reachability* reachability, const OctreeRules& rules, const OctreeData& data)
-      : caster_(caster), surface_(surface), reachability_(reachability), rules_(rules) {
+          const Reachability* reachability, const OctreeRules& rules, const OctreeData& data,
+          ProvenMaps& proven)
+      : caster_(caster),
+        surface_(surface),
+        reachability_(reachability),
+        rules_(rules),
+        proven_(proven) {
     rules_.tolerance -= surface.displacement;
     fit_ = {planes, rules.band, data.value_unit, fit_share * rules_.tolerance, rules.direction};
   }
@@ -85,6 +90,7 @@ class Builder {
   const Reachability* reachability_;
   OctreeRules rules_;
   FitRules fit_;
+  ProvenMaps& proven_;
 
   /// Below the roots that were not joined; negative of joined ones.
   [[nodiscard]] int level_of(const Cube& cube) const {
@@ -184,20 +190,31 @@ class Builder {
   /// Whether one polynomial, or two, answer within the tolerance everywhere in the cube.
   bool fits(OctreeNode& node, const Candidates& candidates, std::optional<bool> inside) const {
     if (candidates.mixed()) return false;
-    const std::vector<CubeSample> samples = sample_cube(surface_, candidates, node.cube, inside);
+    const std::optional<CubeMaps>& maps =
+        proven_.of(node.cube, [&] { return maps_of(candidates, node.cube, inside); });
+    if (!maps) return false;
+    node.kind = maps->kind;
+    node.words.insert(node.words.end(), maps->words.begin(), maps->words.end());
+    return true;
+  }
+
+  [[nodiscard]] std::optional<CubeMaps> maps_of(const Candidates& candidates, const Cube& cube,
+                                                std::optional<bool> inside) const {
+    const std::vector<CubeSample> samples = sample_cube(surface_, candidates, cube, inside);
     for (const auto& fit : {fit_one, fit_two}) {
-      const std::optional<FittedMaps> fitted = fit(samples, node.cube, fit_);
-      if (!fitted || !prove_maps(surface_, candidates, node.cube, inside, *fitted, fit_.planes,
+      const std::optional<FittedMaps> fitted = fit(samples, cube, fit_);
+      if (!fitted || !prove_maps(surface_, candidates, cube, inside, *fitted, fit_.planes,
                                  rules_.band, rules_.tolerance)) {
         continue;
       }
-      node.kind = fitted->kind;
+      CubeMaps maps;
+      maps.kind = fitted->kind;
       for (const PackedLocalMap& map : fitted->packed) {
-        node.words.insert(node.words.end(), map.words.begin(), map.words.end());
+        maps.words.insert(maps.words.end(), map.words.begin(), map.words.end());
       }
-      return true;
+      return maps;
     }
-    return false;
+    return std::nullopt;
   }
 
   void become_list(OctreeNode& node, const Candidates& candidates,
@@ -291,7 +308,7 @@ void keep_within(const LatticeSurface& surface, double most, OctreeRoots& roots)
 
 BuiltOctree build_octree(const LatticeSurface& surface, const Caster& caster,
                          std::span<const SupportPlane> planes, const Reachability* reachability,
-                         const OctreeRules& rules, const Progress& progress) {
+                         const OctreeRules& rules, ProvenMaps& proven, const Progress& progress) {
   BuiltOctree built;
   OctreeData& data = built.data;
   data.edge = std::ldexp(rules.smallest_edge, rules.levels);
@@ -318,7 +335,8 @@ BuiltOctree build_octree(const LatticeSurface& surface, const Caster& caster,
   OctreeRoots roots;
   roots.count = data.roots;
   roots.nodes.resize(count);
-  const Builder builder(caster, surface, planes, reachability, rules, data);
+  proven.store_in(data.value_unit);
+  const Builder builder(caster, surface, planes, reachability, rules, data, proven);
   ProgressCounter counter(progress, "octree", count);
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
     const std::size_t row = i / data.roots[0], layer = row / data.roots[1];

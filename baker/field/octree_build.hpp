@@ -9,6 +9,7 @@
 #include "baker/base/progress.hpp"
 #include "baker/cast/cast.hpp"
 #include "baker/field/lattice_surface.hpp"
+#include "baker/field/proven_maps.hpp"
 #include "baker/reachability/reachability.hpp"
 #include "common/asset/asset_view.hpp"
 #include "common/field/distance_octree.hpp"
@@ -40,11 +41,12 @@ struct BuiltOctree {
 };
 
 /// Builds the distance octree of a surface, which `caster` is over too, and proves each of its
-/// polynomials. `reachability` may be null. The same for any number of threads. Throws BakeError
-/// where nothing of the object is left to model.
+/// polynomials. `reachability` may be null. `proven` is of earlier octrees of the same surface that
+/// differ in their cubes and bytes alone, or empty; it is added to. The same for any number of
+/// threads. Throws BakeError where nothing of the object is left to model.
 [[nodiscard]] BuiltOctree build_octree(const LatticeSurface& surface, const Caster& caster,
                                        std::span<const SupportPlane> planes,
                                        const Reachability* reachability, const OctreeRules& rules,
-                                       const Progress& progress);
+                                       ProvenMaps& proven, const Progress& progress);
 
 }  // namespace spm::baker

@@ -200,10 +200,11 @@ void bake_sparse(BakeResult& result, const OuterSurface& surface, const Caster& 
   const Caster& rounded = *lattice.caster;
   report.stages.end("lattice");
   std::optional<BuiltOctree> built;
+  ProvenMaps proven;
   const auto try_edge = [&](double edge) {
     BuiltOctree next =
         build_octree(lattice, rounded, asset.planes, reachability.cuts() ? &reachability : nullptr,
-                     rules_for(options, asset, caster, tolerance, edge), progress);
+                     rules_for(options, asset, caster, tolerance, edge), proven, progress);
     if (!built ||
         std::pair(next.untold, next.counts.bytes) < std::pair(built->untold, built->counts.bytes)) {
       built = std::move(next);

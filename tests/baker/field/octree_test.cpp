@@ -45,7 +45,8 @@ struct Built {
     rules.levels = 3;
     rules.bytes = bytes;
     rules.direction = 6 * std::numbers::pi / 180;
-    built = build_octree(lattice, rounded, planes, nullptr, rules, {});
+    ProvenMaps proven;
+    built = build_octree(lattice, rounded, planes, nullptr, rules, proven, {});
     built.data.add_to(view);
     view.planes = planes;
     view.band = rules.band;
@@ -322,6 +323,24 @@ TEST_CASE("Two polynomials that together are off somewhere are never proven") {
   CHECK(counts.proven > 50);
   CHECK(counts.spoilt > 50);
   CHECK(counts.spoilt_and_proven == 0);
+}
+
+TEST_CASE("Octrees that share their maps are those that would be built alone") {
+  const Built made(rough(test::sphere(0.01, 3), 2e-3));
+  ProvenMaps proven;
+  for (const double edge : {5e-4, 1e-3, 2.5e-4}) {
+    OctreeRules rules = made.rules;
+    rules.levels = edge == 1e-3 ? 2 : edge == 5e-4 ? 3 : 4;
+    rules.smallest_edge = edge;
+    ProvenMaps own;
+    const auto build = [&](ProvenMaps& maps) {
+      return build_octree(made.lattice, made.rounded, made.planes, nullptr, rules, maps, {});
+    };
+    const BuiltOctree shared = build(proven), alone = build(own);
+    CHECK(shared.data.units == alone.data.units);
+    CHECK(shared.data.lists == alone.data.lists);
+    CHECK(shared.data.triangles == alone.data.triangles);
+  }
 }
 
 TEST_CASE("The words are the same every time") {
