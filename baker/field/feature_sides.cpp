@@ -17,6 +17,7 @@
 #include "baker/field/narrow_sides.hpp"
 #include "baker/field/triangle_sides.hpp"
 #include "baker/mesh/triangle_height.hpp"
+#include "baker/surface/self_intersection.hpp"
 
 namespace spm::baker {
 
@@ -171,6 +172,11 @@ class Neighbours {
         }
       }
     });
+    // In front of a face that crosses others are both sides.
+    for (const auto& [one, other] :
+         meeting_pairs(surface.vertices, surface.triangles, 0).crossing) {
+      faces_[one] = faces_[other] = FeatureSide::by_crossings;
+    }
     if (!surface.sides) return;
     // Where the surface does not close, another face may lie on a part of one.
     std::vector<std::atomic<bool>> covered(surface.triangles.size());

@@ -168,36 +168,43 @@ class Proof {
                                                   : std::min(first, second);
   }
 
-  /// The gradient of the distance lies in the cone of the normals of the candidates: the normal of
-  /// a facet, and at an edge or corner one between those of the facets around it. So map less
-  /// distance changes from the middle on at most by the largest difference of gradients, axis by
-  /// axis, times half the edge. Holds across the surface, but not at sheets.
-  Interval by_directions(const Candidates& candidates, const Cube& cube, const Quadratic& map,
-                         double truth) const {
+  /// Map less distance changes from the middle on at most by the largest difference of gradients,
+  /// axis by axis, times half the edge. Holds across the surface.
+  [[nodiscard]] Interval by_directions(const Candidates& candidates, const Cube& cube,
+                                       const Quadratic& map, double truth) const {
+    // The map's own gradient changes; half of that counts, since it grows from the middle on.
+    const double bend = cube.half * map.bend.cwiseAbs().sum();
+    const double most = most_difference(candidates, map.gradient);
+    const double reach = cube.half * (most + bend) + rounding;
+    const double off = map.value - truth;
+    return {off - reach, off + reach};
+  }
+
+  /// At most so much do a gradient of a map and one of the distance differ, axis by axis. The
+  /// distance's is of length 1, and across solids in the cone of the normals of the candidates: the
+  /// normal of a facet, and at an edge or corner one between those of the facets around it.
+  [[nodiscard]] double most_difference(const Candidates& candidates,
+                                       const Vector3& gradient) const {
+    const double of_any = gradient.lpNorm<1>() + std::sqrt(3.0);
     Vector3 axis = Vector3::Zero();
-    if (!candidates.sheets.triangles.empty()) return {};
+    if (!candidates.sheets.triangles.empty()) return of_any;
     for (const Candidate& candidate : candidates.solids.triangles) {
       const LatticeTriangle& triangle = surface_.triangles[candidate.triangle];
-      if (triangle.folded) return {};
+      if (triangle.folded) return of_any;
       axis += triangle.normal;
     }
-    if (!(axis.norm() > 0)) return {};
+    if (!(axis.norm() > 0)) return of_any;
     axis.normalize();
     double cosine = 1, most = 0;
     for (const Candidate& candidate : candidates.solids.triangles) {
       const Vector3& normal = surface_.triangles[candidate.triangle].normal;
       if (normal == Vector3::Zero()) continue;
       cosine = std::min(cosine, axis.dot(normal));
-      most = std::max(most, (map.gradient - normal).lpNorm<1>());
+      most = std::max(most, (gradient - normal).lpNorm<1>());
     }
-    if (cosine < min_cone_cosine) return {};
+    if (cosine < min_cone_cosine) return of_any;
     // A direction between normals is one of their mixtures made longer, by no more than this.
-    const double between = std::sqrt(3.0) * (1 - cosine);
-    // The map's own gradient changes; half of that counts, since it grows from the middle on.
-    const double bend = cube.half * map.bend.cwiseAbs().sum();
-    const double reach = cube.half * (most + between + bend) + rounding;
-    const double off = map.value - truth;
-    return {off - reach, off + reach};
+    return std::min(of_any, most + std::sqrt(3.0) * (1 - cosine));
   }
 
   /// On one side of the surface the unsigned distance is the least of the distances of the

@@ -7,6 +7,7 @@
 #include <array>
 #include <cstdint>
 #include <limits>
+#include <queue>
 #include <utility>
 #include <vector>
 
@@ -20,44 +21,66 @@ using Corners = std::array<Vector3, 3>;
 
 /// Into so many parts a triangle is cut at most, and no more where its bound is that near to a
 /// distance.
-constexpr int most_parts = 4000;
+constexpr int most_parts = 20000;
 constexpr double near_enough = 1.5;
+
+/// A part of a triangle, and how far it is at most.
+struct Part {
+  Corners corners;
+  double bound = 0;
+  std::uint32_t nearest = 0;  ///< triangle to the middle
+  bool operator<(const Part& other) const { return bound < other.bound; }
+};
 
 class Bound {
  public:
   Bound(const Caster& to, double enough) : to_(to), enough_(enough) {}
 
-  /// Of a part of a triangle, where so many parts are left. The distance to one triangle is convex,
-  /// so that it is largest in a corner.
-  [[nodiscard]] double of(const Corners& part, bool sheet, int& parts) const {
-    const Vector3 middle = (part[0] + part[1] + part[2]) / 3;
+  /// Of a triangle. The part that may be farthest is cut until that is near enough to how far a
+  /// place of the triangle is.
+  [[nodiscard]] double of(const Corners& triangle, bool sheet) const {
+    double farthest = 0;
+    std::priority_queue<Part> parts;
+    parts.push(part_of(triangle, sheet, farthest));
+    for (int cuts = 0; cuts < most_parts; ++cuts) {
+      const Part part = parts.top();
+      if (part.bound <= std::max(enough_, near_enough * farthest)) break;
+      parts.pop();
+      for (const Corners& smaller : beside(part.corners, part.nearest)) {
+        Part next = part_of(smaller, sheet, farthest);
+        next.bound = std::min(next.bound, part.bound);
+        parts.push(next);
+      }
+    }
+    return parts.top().bound;
+  }
+
+ private:
+  /// A part with its bound. The distance to one triangle is convex, so that it is largest in a
+  /// corner; no distance changes by more than the way from the middle.
+  [[nodiscard]] Part part_of(const Corners& corners, bool sheet, double& farthest) const {
+    const Vector3 middle = (corners[0] + corners[1] + corners[2]) / 3;
     std::vector<std::pair<double, std::uint32_t>> near;
     for (const std::uint32_t triangle : around(middle, sheet)) {
       near.emplace_back(distance(middle, triangle), triangle);
     }
     std::sort(near.begin(), near.end());
-    if (near.empty()) return std::numeric_limits<double>::infinity();
+    if (near.empty()) return {corners, std::numeric_limits<double>::infinity()};
     const auto [least, nearest] = near.front();
-    double best = std::numeric_limits<double>::infinity();
+    farthest = std::max(farthest, least);
+    double radius = 0;
+    for (const Vector3& corner : corners) radius = std::max(radius, (corner - middle).norm());
+    double best = least + radius;
     for (const auto& [away, triangle] : near) {
       // No triangle has a smaller bound than its distance in the middle.
       if (best <= std::max(enough_, away)) break;
-      best = std::min(best, std::max({distance(part[0], triangle), distance(part[1], triangle),
-                                      distance(part[2], triangle)}));
+      best =
+          std::min(best, std::max({distance(corners[0], triangle), distance(corners[1], triangle),
+                                   distance(corners[2], triangle)}));
     }
-    if (best <= std::max(enough_, near_enough * least)) return best;
-    double radius = 0;
-    for (const Vector3& corner : part) radius = std::max(radius, (corner - middle).norm());
-    best = std::min(best, least + radius);
-    if (--parts < 0 || radius <= enough_) return best;
-    double largest = 0;
-    for (const Corners& smaller : beside(part, nearest)) {
-      largest = std::max(largest, of(smaller, sheet, parts));
-    }
-    return std::min(best, largest);
+    return {corners, best, nearest};
   }
 
- private:
   /// A part, cut along the side of a triangle that it is on both sides of, or where it is so of
   /// none in two.
   [[nodiscard]] std::vector<Corners> beside(const Corners& part, std::uint32_t triangle) const {
@@ -122,9 +145,8 @@ double largest_distance(const OuterSurface& from, const Caster& to, double enoug
   std::vector<double> bounds(from.triangles.size());
   tbb::parallel_for(std::size_t{0}, bounds.size(), [&](std::size_t t) {
     const auto& [a, b, c] = from.triangles[t];
-    int parts = most_parts;
-    bounds[t] = bound.of({from.vertices[a], from.vertices[b], from.vertices[c]},
-                         t >= from.solid_count, parts);
+    bounds[t] =
+        bound.of({from.vertices[a], from.vertices[b], from.vertices[c]}, t >= from.solid_count);
   });
   return bounds.empty() ? 0 : *std::max_element(bounds.begin(), bounds.end());
 }

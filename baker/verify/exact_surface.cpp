@@ -213,6 +213,8 @@ double ExactSurface::area() const noexcept { return implementation_->area; }
 
 double ExactSurface::hidden_area() const noexcept { return implementation_->hidden_area; }
 
+bool ExactSurface::has_gaps() const noexcept { return implementation_->gaps_closed; }
+
 bool ExactSurface::inside(const Vector3& point) const {
   if (implementation_->solids.triangles.empty()) return false;
   // Only of closed gaps the distance matters.

@@ -41,6 +41,7 @@ class ExactSurface {
   [[nodiscard]] bool empty() const noexcept;          ///< nothing is felt
   [[nodiscard]] double area() const noexcept;         ///< m2
   [[nodiscard]] double hidden_area() const noexcept;  ///< m2, of the mesh, inside other parts
+  [[nodiscard]] bool has_gaps() const noexcept;       ///< that are closed; they may be of width 0
 
   /// Whether a point is in a solid: its winding number is above one half, or it lies in a gap that
   /// is closed.

@@ -20,6 +20,7 @@
 #include "baker/verify/adversarial.hpp"
 #include "baker/verify/border_jumps.hpp"
 #include "baker/verify/direction_error.hpp"
+#include "baker/verify/doubtful_gaps.hpp"
 #include "baker/verify/exact_surface.hpp"
 #include "baker/verify/outcome.hpp"
 #include "common/base/random.hpp"
@@ -170,6 +171,7 @@ VerifyReport verify_against(const Mesh& mesh, const AssetView& view, const Asset
     std::vector<Outcome> outcomes(count);
     tbb::parallel_for(std::size_t{0}, outcomes.size(),
                       [&](std::size_t i) { outcomes[i] = measure(how, i); });
+    if (surface.has_gaps()) judge_doubtful_gaps(mesh, view, tolerance, outcomes);
     return outcomes;
   };
   const std::vector<Outcome> first = measured(setting, std::min(options.samples, first_samples));

@@ -227,6 +227,18 @@ TEST_CASE(
   surface.vertices.push_back(surface.vertices[c] + 1e-5 * across.normalized());
   surface.triangles[0] = {a, b, cut};
   surface.triangles.push_back({a, cut, c});
+  // So is the triangle beyond.
+  for (std::size_t t = 1; t < whole.size(); ++t) {
+    Triangle& beyond = surface.triangles[t];
+    const auto from = std::find(beyond.begin(), beyond.end(), c);
+    if (from == beyond.end()) continue;
+    std::rotate(beyond.begin(), from, beyond.end());
+    if (beyond[1] != b) continue;
+    const Triangle rest{cut, b, beyond[2]};
+    beyond[1] = cut;
+    surface.triangles.push_back(rest);
+    break;
+  }
   const OuterSurface other = test::surface_of(test::box({0.02, 0.02, 0.02}));
   const auto corners = static_cast<std::uint32_t>(surface.vertices.size());
   for (const Vector3& vertex : other.vertices) {

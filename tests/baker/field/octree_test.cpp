@@ -325,6 +325,27 @@ TEST_CASE("Two polynomials that together are off somewhere are never proven") {
   CHECK(counts.spoilt_and_proven == 0);
 }
 
+TEST_CASE(
+    "Across a wall without a clear normal a map is proven in cubes as wide as the tolerance") {
+  // Both sides of a wall of 1 um pass the cube, so that no cone holds their normals.
+  const Built made(test::box({0.02, 0.02, 1e-6}));
+  const Cube cube{{0.001, 0.002, 1e-6}, 0.4 * tolerance};
+  std::vector<std::uint32_t> near;
+  made.rounded.within(cube.middle, 3 * cube.radius(), near);
+  const Candidates candidates = candidates_of(made.lattice, near, cube);
+  const std::vector<CubeSample> samples = sample_cube(made.lattice, candidates, cube, {});
+  const FitRules rules{made.planes, made.rules.band, made.built.data.value_unit, 0.9 * tolerance,
+                       std::numbers::pi};
+  const auto proves = [&](double share) {
+    const std::optional<FittedMaps> fitted = fit_one(samples, cube, rules);
+    REQUIRE(fitted);
+    return prove_maps(made.lattice, candidates, cube, {}, *fitted, made.planes, made.rules.band,
+                      share * tolerance);
+  };
+  CHECK(proves(1));
+  CHECK_FALSE(proves(0.1));
+}
+
 TEST_CASE("Octrees that share their maps are those that would be built alone") {
   const Built made(rough(test::sphere(0.01, 3), 2e-3));
   ProvenMaps proven;

@@ -72,4 +72,20 @@ TEST_CASE("No place of a moved surface is farther than the bound, and it is no m
   }
 }
 
+TEST_CASE("A long triangle beside many slivers is bounded by how far it is from them") {
+  // A strip 1 mm wide, in 500 slivers from its ends, each 5 um beside it.
+  constexpr std::uint32_t count = 500;
+  test::Shape slivers;
+  slivers.vertices = {{0, 0, 5e-6}, {0.05, 1e-3, 5e-6}};
+  for (std::uint32_t i = 0; i <= count; ++i) {
+    slivers.vertices.emplace_back(0.05 * i / count, i < count / 2 ? -1e-5 : -2e-5, 5e-6);
+    if (i > 0) slivers.triangles.push_back({1, i + 1, i + 2});
+  }
+  slivers.triangles.push_back({0, 2, 1});
+  test::Shape whole{{{0, 0, 0}, {0.05, 0, 0}, {0.05, 1e-3, 0}}, {{0, 1, 2}}};
+  const double bound = largest_distance(as_surface(whole), Caster(as_surface(slivers)), enough);
+  CHECK(bound >= 5e-6);
+  CHECK(bound <= 2e-5);
+}
+
 }  // namespace spm::baker::surface_distance_test
