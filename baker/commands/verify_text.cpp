@@ -46,7 +46,8 @@ Json to_json(const Counts& counts) {
   return {{"unanswered", counts.unanswered},
           {"wrong_side", counts.wrong_side},
           {"beyond_tolerance", counts.beyond_tolerance},
-          {"pruned", counts.pruned}};
+          {"pruned", counts.pruned},
+          {"doubtful_gaps", counts.doubtful_gaps}};
 }
 
 Json to_json(const AdversarialReport& hard) {
@@ -137,6 +138,17 @@ std::string left_out_lines(const VerifyReport& report) {
   return {};
 }
 
+/// How many places were judged by more than one distance.
+std::string doubtful_line(const VerifyReport& report) {
+  const std::uint64_t doubtful =
+      report.counts.doubtful_gaps + report.adversarial.counts.doubtful_gaps;
+  if (doubtful == 0) return {};
+  return fmt::format(
+      "gaps           {} places are right with a gap closed or open that is about as wide as those "
+      "that are closed\n",
+      grouped(doubtful));
+}
+
 std::string worst_lines(const std::vector<WorstPlace>& places) {
   std::string text;
   for (const WorstPlace& place : places) {
@@ -219,6 +231,7 @@ std::string describe(const VerifyReport& report) {
   text += line_of("at hard places", report.adversarial.distance);
   text += jump_lines(report.jumps);
   text += left_out_lines(report);
+  text += doubtful_line(report);
   text += worst_lines(report.worst);
   return text + "verdict        " + verdict_of(report) + "\n";
 }

@@ -12,25 +12,22 @@
 namespace spm::baker {
 namespace {
 
-/// Signed distances, m, between which the truth lies.
-struct Range {
-  double low = 0, high = 0;
-  void extend(double value) {
-    low = std::min(low, value);
-    high = std::max(high, value);
-  }
-  [[nodiscard]] double off(double value) const {
-    return std::max({0.0, low - value, value - high});
-  }
-};
+[[nodiscard]] bool is_wrong(const Outcome& outcome, double tolerance) {
+  return outcome.drawn && !outcome.pruned && (!outcome.answered || outcome.error > tolerance);
+}
 
-void judge(const Range& truth, const Band& band, double tolerance, Outcome& outcome) {
-  if (outcome.answered) {
-    outcome.error = truth.off(outcome.answer);
-  } else if (outcome.far && truth.high >= band.margin - tolerance) {
+/// The same outcome with what comes next to its answer of the distances from `low` to `high`, m.
+[[nodiscard]] Outcome judged(Outcome outcome, double low, double high, const Band& band,
+                             double tolerance) {
+  if (!outcome.answered && outcome.far && high >= band.margin - tolerance) {
     outcome.answered = true;
     outcome.answer = band.margin;
   }
+  if (!outcome.answered) return outcome;
+  outcome.truth = std::clamp(outcome.answer, low, high);
+  outcome.error = std::abs(outcome.answer - outcome.truth);
+  outcome.doubtful = true;
+  return outcome;
 }
 
 }  // namespace
@@ -39,21 +36,22 @@ void judge_doubtful_gaps(const Mesh& mesh, const AssetView& view, double toleran
                          std::vector<Outcome>& outcomes) {
   std::vector<std::size_t> wrong;
   for (std::size_t i = 0; i < outcomes.size(); ++i) {
-    const Outcome& outcome = outcomes[i];
-    if (!outcome.drawn || outcome.pruned) continue;
-    if (!outcome.answered || outcome.error > tolerance) wrong.push_back(i);
+    if (is_wrong(outcomes[i], tolerance)) wrong.push_back(i);
   }
   if (wrong.empty()) return;
   const ExactSurface open(mesh, view.sheet_thickness, surely_closed * tolerance),
       closed(mesh, view.sheet_thickness, surely_open * tolerance);
   tbb::parallel_for(std::size_t{0}, wrong.size(), [&](std::size_t i) {
     Outcome& outcome = outcomes[wrong[i]];
-    Range truth{outcome.truth, outcome.truth};
+    double low = outcome.truth, high = outcome.truth;
     for (const ExactSurface* surface : {&open, &closed}) {
       if (surface->empty()) continue;
-      truth.extend(surface->distance(outcome.point, surface->closest(outcome.point)));
+      const double truth = surface->distance(outcome.point, surface->closest(outcome.point));
+      low = std::min(low, truth);
+      high = std::max(high, truth);
     }
-    judge(truth, view.band, tolerance, outcome);
+    const Outcome settled = judged(outcome, low, high, view.band, tolerance);
+    if (!is_wrong(settled, tolerance)) outcome = settled;
   });
 }
 

@@ -44,6 +44,7 @@ Counts counts_of(const std::vector<Outcome>& outcomes, double threshold) {
   for (const Outcome& outcome : outcomes) {
     if (!outcome.drawn) continue;
     counts.pruned += outcome.pruned ? 1 : 0;
+    counts.doubtful_gaps += outcome.doubtful ? 1 : 0;
     counts.unanswered += outcome.answered || outcome.pruned ? 0 : 1;
     counts.wrong_side += wrong_side(outcome, threshold) ? 1 : 0;
     counts.beyond_tolerance += outcome.answered && outcome.error > threshold ? 1 : 0;

@@ -26,8 +26,9 @@ struct Outcome {
   Vector3 point = Vector3::Zero();
   double truth = 0;
   bool answered = false;
-  bool far = false;     ///< the asset answers: outside, beyond the margin
-  bool pruned = false;  ///< the bake left this place out
+  bool far = false;       ///< the asset answers: outside, beyond the margin
+  bool pruned = false;    ///< the bake left this place out
+  bool doubtful = false;  ///< the truth is one of several (judge_doubtful_gaps)
   double answer = 0;
   double error = 0;
   double smoothing_error = 0;

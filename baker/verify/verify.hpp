@@ -31,6 +31,7 @@ struct Counts {
   std::uint64_t wrong_side = 0;        ///< only where the surface is farther than the tolerance
   std::uint64_t beyond_tolerance = 0;  ///< answers whose distance is off by more
   std::uint64_t pruned = 0;            ///< left out by the bake; not judged, breaks nothing
+  std::uint64_t doubtful_gaps = 0;     ///< right with a doubtful gap open, closed or in between
 
   /// Places where anything is wrong, each once.
   [[nodiscard]] std::uint64_t missed() const noexcept { return unanswered + beyond_tolerance; }

@@ -272,7 +272,8 @@ class Bake(Case):
         self.assertIs(report["passed"], True)
         self.assertAlmostEqual(report["tolerance_um"], 200)
         self.assertEqual(report["counts"],
-                         {"unanswered": 0, "wrong_side": 0, "beyond_tolerance": 0, "pruned": 0})
+                         {"unanswered": 0, "wrong_side": 0, "beyond_tolerance": 0, "pruned": 0,
+                          "doubtful_gaps": 0})
         self.assertEqual(len(report["worst"]), 7)
         errors = [place["error_um"] for place in report["worst"]]
         self.assertEqual(errors, sorted(errors, reverse=True))
