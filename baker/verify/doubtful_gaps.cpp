@@ -4,13 +4,19 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
 #include <cstddef>
+#include <optional>
 
 #include "baker/verify/exact_surface.hpp"
 
 namespace spm::baker {
 namespace {
+
+/// Up to these widths, in those that are closed, gaps are closed. One is in between, since a wider
+/// one does not close all that it does: another wall may be a sliver then.
+constexpr std::array<double, 3> widths{surely_closed, 2, surely_open};
 
 [[nodiscard]] bool is_wrong(const Outcome& outcome, double tolerance) {
   return outcome.drawn && !outcome.pruned && (!outcome.answered || outcome.error > tolerance);
@@ -39,12 +45,14 @@ void judge_doubtful_gaps(const Mesh& mesh, const AssetView& view, double toleran
     if (is_wrong(outcomes[i], tolerance)) wrong.push_back(i);
   }
   if (wrong.empty()) return;
-  const ExactSurface open(mesh, view.sheet_thickness, surely_closed * tolerance),
-      closed(mesh, view.sheet_thickness, surely_open * tolerance);
+  std::array<std::optional<ExactSurface>, widths.size()> surfaces;
+  for (std::size_t i = 0; i < widths.size(); ++i) {
+    surfaces[i].emplace(mesh, view.sheet_thickness, widths[i] * tolerance);
+  }
   tbb::parallel_for(std::size_t{0}, wrong.size(), [&](std::size_t i) {
     Outcome& outcome = outcomes[wrong[i]];
     double low = outcome.truth, high = outcome.truth;
-    for (const ExactSurface* surface : {&open, &closed}) {
+    for (const auto& surface : surfaces) {
       if (surface->empty()) continue;
       const double truth = surface->distance(outcome.point, surface->closest(outcome.point));
       low = std::min(low, truth);
