@@ -9,6 +9,7 @@
 #include <cstdint>
 #include <map>
 #include <span>
+#include <utility>
 
 #include "baker/base/cube_bins.hpp"
 #include "baker/mesh/mesh_edges.hpp"
@@ -81,7 +82,7 @@ class Gaps {
     if (triangle_height(a, b, c) > narrow_) {
       return !is_faced(middle, whole.parent) || !is_covered(middle, normal);
     }
-    if (!is_near_gap(piece)) return true;
+    if (!is_sliver_beside(piece)) return true;
     const std::array<Vector3, 3> long_first = from_longest_side(piece);
     const Vector3 along = long_first[1] - long_first[0];
     const Vector3 step = narrow_ * along.stableNormalized(), across = normal.cross(step);
@@ -97,6 +98,14 @@ class Gaps {
     return true;
   }
 
+  /// Whether a piece is no higher than a gap is wide, and near one.
+  [[nodiscard]] bool is_sliver_beside(const std::array<Vector3, 3>& piece) const {
+    if (triangle_height(piece[0], piece[1], piece[2]) > narrow_) return false;
+    const Eigen::AlignedBox3d box = box_around(piece, 0);
+    return std::any_of(gaps_.begin(), gaps_.end(),
+                       [&](const Eigen::AlignedBox3d& gap) { return gap.intersects(box); });
+  }
+
  private:
   [[nodiscard]] bool is_faced(const Vector3& place, std::uint32_t parent) const {
     const auto others = facing(parent);
@@ -104,12 +113,6 @@ class Gaps {
       const auto [a, b, c] = corners(other);
       return (closest_on_triangle(place, a, b, c) - place).norm() <= 2 * narrow_;
     });
-  }
-
-  [[nodiscard]] bool is_near_gap(const std::array<Vector3, 3>& piece) const {
-    const Eigen::AlignedBox3d box = box_around(piece, 0);
-    return std::any_of(gaps_.begin(), gaps_.end(),
-                       [&](const Eigen::AlignedBox3d& gap) { return gap.intersects(box); });
   }
 
   /// Whether a solid lies over a place, also where there is another gap behind the next wall.
@@ -148,6 +151,37 @@ class Gaps {
   std::vector<Eigen::AlignedBox3d> gaps_;  ///< around the gap between each two
 };
 
+/// Leaves out pieces that may be hairs and from which no others lead to one that is none: they
+/// stand alone, and nothing beside them stays where rounding lets them go.
+template <class MayBeHair>
+void drop_hairs(const SplitMesh& split, const MayBeHair& may_be_hair, std::vector<char>& felt) {
+  std::map<std::array<std::uint32_t, 2>, std::vector<std::uint32_t>> beside;
+  const auto side_of = [&](std::uint32_t piece, std::size_t k) {
+    const Triangle& corners = split.pieces[piece];
+    const auto [low, high] = std::minmax(corners[k], corners[(k + 1) % 3]);
+    return std::array<std::uint32_t, 2>{low, high};
+  };
+  std::vector<char> stays(felt.size(), 0);
+  std::vector<std::uint32_t> reached;
+  for (std::uint32_t piece = 0; piece < felt.size(); ++piece) {
+    if (felt[piece] == 0) continue;
+    for (std::size_t k = 0; k < 3; ++k) beside[side_of(piece, k)].push_back(piece);
+    if (may_be_hair(piece)) continue;
+    stays[piece] = 1;
+    reached.push_back(piece);
+  }
+  while (!reached.empty()) {
+    const std::uint32_t from = reached.back();
+    reached.pop_back();
+    for (std::size_t k = 0; k < 3; ++k) {
+      for (const std::uint32_t next : beside[side_of(from, k)]) {
+        if (std::exchange(stays[next], 1) == 0) reached.push_back(next);
+      }
+    }
+  }
+  felt = stays;
+}
+
 }  // namespace
 
 Felt without_narrow_gaps(const Mesh& mesh, std::span<const TrianglePair> facing,
@@ -176,6 +210,14 @@ Felt without_narrow_gaps(const Mesh& mesh, std::span<const TrianglePair> facing,
     const LooseTriangle& parent = triangles[split.parents[piece]];
     felt[piece] = gaps.is_felt({split.points[a], split.points[b], split.points[c]}, parent) ? 1 : 0;
   });
+  drop_hairs(
+      split,
+      [&](std::uint32_t piece) {
+        const auto& [a, b, c] = split.pieces[piece];
+        return !triangles[split.parents[piece]].sheet &&
+               gaps.is_sliver_beside({split.points[a], split.points[b], split.points[c]});
+      },
+      felt);
   Felt left;
   std::map<std::uint32_t, PiecesOfSheet> sheets;
   const auto hide = [&](const Triangle& piece) {
