@@ -329,13 +329,10 @@ ClosestPoint Caster::closest(const Vector3& point) const {
   const auto visit = [](RTCPointQueryFunctionArguments* arguments) {
     auto& io = *static_cast<Search*>(arguments->userPtr);
     const std::uint32_t triangle = arguments->primID;
-    const auto& [a, b, c] = io.self->corners[triangle];
+    const auto& corners = io.self->corners[triangle];
     double& nearest = triangle < io.self->solid_count ? io.nearest_solid : io.nearest_sheet;
-    const Vector3 low = a.cwiseMin(b).cwiseMin(c), high = a.cwiseMax(b).cwiseMax(c);
-    const double least_of_box =
-        (low - io.point).cwiseMax(io.point - high).cwiseMax(0.0).squaredNorm();
-    if (least_of_box > (nearest + io.tie) * (nearest + io.tie)) return false;
-    const Vector3 closest_point = closest_on_triangle(io.point, a, b, c);
+    if (is_beyond(corners, io.point, nearest + io.tie)) return false;
+    const Vector3 closest_point = closest_on_triangle(io.point, corners[0], corners[1], corners[2]);
     const double distance = (closest_point - io.point).norm();
     if (distance > nearest + io.tie) return false;
     io.candidates->push_back({distance, closest_point, triangle});

@@ -9,7 +9,6 @@
 #include <cstdint>
 #include <map>
 #include <span>
-#include <utility>
 
 #include "baker/base/cube_bins.hpp"
 #include "baker/mesh/mesh_edges.hpp"
@@ -155,31 +154,19 @@ class Gaps {
 /// stand alone, and nothing beside them stays where rounding lets them go.
 template <class MayBeHair>
 void drop_hairs(const SplitMesh& split, const MayBeHair& may_be_hair, std::vector<char>& felt) {
-  std::map<std::array<std::uint32_t, 2>, std::vector<std::uint32_t>> beside;
-  const auto side_of = [&](std::uint32_t piece, std::size_t k) {
-    const Triangle& corners = split.pieces[piece];
-    const auto [low, high] = std::minmax(corners[k], corners[(k + 1) % 3]);
-    return std::array<std::uint32_t, 2>{low, high};
-  };
-  std::vector<char> stays(felt.size(), 0);
-  std::vector<std::uint32_t> reached;
+  std::vector<Triangle> left;
+  std::vector<std::uint32_t> pieces;
   for (std::uint32_t piece = 0; piece < felt.size(); ++piece) {
     if (felt[piece] == 0) continue;
-    for (std::size_t k = 0; k < 3; ++k) beside[side_of(piece, k)].push_back(piece);
-    if (may_be_hair(piece)) continue;
-    stays[piece] = 1;
-    reached.push_back(piece);
+    left.push_back(split.pieces[piece]);
+    pieces.push_back(piece);
   }
-  while (!reached.empty()) {
-    const std::uint32_t from = reached.back();
-    reached.pop_back();
-    for (std::size_t k = 0; k < 3; ++k) {
-      for (const std::uint32_t next : beside[side_of(from, k)]) {
-        if (std::exchange(stays[next], 1) == 0) reached.push_back(next);
-      }
-    }
+  Groups parts = parts_over(sorted_edges(left), left.size());
+  std::vector<char> stays(left.size(), 0);
+  for (std::uint32_t i = 0; i < left.size(); ++i) {
+    if (!may_be_hair(pieces[i])) stays[parts.of(i)] = 1;
   }
-  felt = stays;
+  for (std::uint32_t i = 0; i < left.size(); ++i) felt[pieces[i]] = stays[parts.of(i)];
 }
 
 }  // namespace

@@ -7,9 +7,6 @@
 #include <array>
 #include <cmath>
 #include <cstddef>
-#include <optional>
-
-#include "baker/verify/exact_surface.hpp"
 
 namespace spm::baker {
 namespace {
@@ -38,28 +35,27 @@ constexpr std::array<double, 3> widths{surely_closed, 2, surely_open};
 
 }  // namespace
 
-void judge_doubtful_gaps(const Mesh& mesh, const AssetView& view, double tolerance,
-                         std::vector<Outcome>& outcomes) {
+void DoubtfulGaps::judge(std::vector<Outcome>& outcomes) {
   std::vector<std::size_t> wrong;
   for (std::size_t i = 0; i < outcomes.size(); ++i) {
-    if (is_wrong(outcomes[i], tolerance)) wrong.push_back(i);
+    if (is_wrong(outcomes[i], tolerance_)) wrong.push_back(i);
   }
   if (wrong.empty()) return;
-  std::array<std::optional<ExactSurface>, widths.size()> surfaces;
-  for (std::size_t i = 0; i < widths.size(); ++i) {
-    surfaces[i].emplace(mesh, view.sheet_thickness, widths[i] * tolerance);
+  for (std::size_t i = surfaces_.size(); i < widths.size(); ++i) {
+    surfaces_.push_back(
+        std::make_unique<ExactSurface>(mesh_, view_.sheet_thickness, widths[i] * tolerance_));
   }
   tbb::parallel_for(std::size_t{0}, wrong.size(), [&](std::size_t i) {
     Outcome& outcome = outcomes[wrong[i]];
     double low = outcome.truth, high = outcome.truth;
-    for (const auto& surface : surfaces) {
+    for (const auto& surface : surfaces_) {
       if (surface->empty()) continue;
       const double truth = surface->distance(outcome.point, surface->closest(outcome.point));
       low = std::min(low, truth);
       high = std::max(high, truth);
     }
-    const Outcome settled = judged(outcome, low, high, view.band, tolerance);
-    if (!is_wrong(settled, tolerance)) outcome = settled;
+    const Outcome settled = judged(outcome, low, high, view_.band, tolerance_);
+    if (!is_wrong(settled, tolerance_)) outcome = settled;
   });
 }
 

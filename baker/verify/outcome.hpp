@@ -28,7 +28,7 @@ struct Outcome {
   bool answered = false;
   bool far = false;       ///< the asset answers: outside, beyond the margin
   bool pruned = false;    ///< the bake left this place out
-  bool doubtful = false;  ///< the truth is one of several (judge_doubtful_gaps)
+  bool doubtful = false;  ///< the truth is one of several (DoubtfulGaps)
   double answer = 0;
   double error = 0;
   double smoothing_error = 0;

@@ -171,7 +171,6 @@ VerifyReport verify_against(const Mesh& mesh, const AssetView& view, const Asset
     std::vector<Outcome> outcomes(count);
     tbb::parallel_for(std::size_t{0}, outcomes.size(),
                       [&](std::size_t i) { outcomes[i] = measure(how, i); });
-    if (surface.has_gaps()) judge_doubtful_gaps(mesh, view, tolerance, outcomes);
     return outcomes;
   };
   const std::vector<Outcome> first = measured(setting, std::min(options.samples, first_samples));
@@ -179,12 +178,16 @@ VerifyReport verify_against(const Mesh& mesh, const AssetView& view, const Asset
     throw BakeError(ExitCode::invalid_input,
                     mesh.path + ": no place to measure: none lies in the band");
   }
-  const std::vector<Outcome> outcomes = measured(setting, options.samples);
+  std::vector<Outcome> outcomes = measured(setting, options.samples);
   Setting hard = setting;
   const AdversarialPlaces places(surface, view, setting.tolerance);
   hard.adversarial = &places;
   hard.seed = random_bits(setting.seed, 1);
-  const std::vector<Outcome> hard_outcomes = measured(hard, options.samples / 2);
+  std::vector<Outcome> hard_outcomes = measured(hard, options.samples / 2);
+  if (surface.has_gaps()) {
+    DoubtfulGaps gaps(mesh, view, tolerance);
+    for (std::vector<Outcome>* some : {&outcomes, &hard_outcomes}) gaps.judge(*some);
+  }
   VerifyReport report = report_of(outcomes, setting.tolerance);
   const VerifyReport hardest = report_of(hard_outcomes, setting.tolerance);
   report.adversarial = {
