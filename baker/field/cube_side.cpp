@@ -44,7 +44,7 @@ bool reaches(const LatticeTriangle& triangle, const Cube& cube, double distance)
 /// Whether places beside some part of a triangle are told by crossings alone.
 bool is_doubted(FeatureSides sides) noexcept {
   for (unsigned part = 0; part < 7; ++part) {
-    if ((unsigned{sides} >> 2U * part & 3U) == static_cast<unsigned>(FeatureSide::by_crossings)) {
+    if (unpack_side(sides, static_cast<TriangleFeature>(part)) == FeatureSide::by_crossings) {
       return true;
     }
   }

@@ -69,14 +69,14 @@ constexpr FeatureSides all_outside = [] {
 /// Turns a triangle so that its first side is the shortest.
 void turn(LatticeTriangle& triangle, std::size_t by) {
   const auto old = triangle;
-  triangle.sides = old.sides & 3U;
+  triangle.sides = pack_side(TriangleFeature::face, unpack_side(old.sides, TriangleFeature::face));
   for (std::size_t k = 0; k < 3; ++k) {
     const std::size_t from = (k + by) % 3;
     triangle.corners[k] = old.corners[from];
     triangle.steps[k] = old.steps[from];
     for (const std::size_t part : {1U, 4U}) {
-      const unsigned side = (unsigned{old.sides} >> 2U * (part + from)) & 3U;
-      triangle.sides = static_cast<FeatureSides>(triangle.sides | side << 2U * (part + k));
+      const FeatureSide side = unpack_side(old.sides, static_cast<TriangleFeature>(part + from));
+      triangle.sides |= pack_side(static_cast<TriangleFeature>(part + k), side);
     }
   }
 }

@@ -17,7 +17,7 @@ constexpr double narrow = 0.05;
 constexpr double told_cosine = 0.1736;
 
 FeatureSide told_by(FeatureSides sides, std::size_t k) {
-  return static_cast<FeatureSide>(unsigned{sides} >> 2 * (1 + k) & 3U);
+  return unpack_side(sides, static_cast<TriangleFeature>(1 + k));
 }
 
 /// Whether places that are nearest to another side may be told wrongly by this one. Not where that

@@ -35,6 +35,11 @@ using FeatureSides = std::uint16_t;
                                    << 2U * static_cast<unsigned>(feature));
 }
 
+[[nodiscard]] constexpr FeatureSide unpack_side(FeatureSides sides,
+                                                TriangleFeature feature) noexcept {
+  return static_cast<FeatureSide>(unsigned{sides} >> 2U * static_cast<unsigned>(feature) & 3U);
+}
+
 /// The ways from a flat part to the places that are nearest to it are no farther from a normal than
 /// that has this cosine: squared, with room for single precision.
 inline constexpr double least_along_square = 0.01;
@@ -51,14 +56,14 @@ inline constexpr double least_along_square = 0.01;
 /// nearest point along the triangle's normal (along_normal).
 [[nodiscard]] constexpr std::optional<bool> side_told(FeatureSides sides, TriangleFeature feature,
                                                       double along) noexcept {
-  const unsigned side = (unsigned{sides} >> 2U * static_cast<unsigned>(feature)) & 3U;
-  switch (static_cast<FeatureSide>(side)) {
+  const FeatureSide side = unpack_side(sides, feature);
+  switch (side) {
     case FeatureSide::by_normal:
       return along == 0 ? std::nullopt : std::optional(along < 0);
     case FeatureSide::by_crossings:
       return std::nullopt;
     default:
-      return side == static_cast<unsigned>(FeatureSide::inside);
+      return side == FeatureSide::inside;
   }
 }
 
