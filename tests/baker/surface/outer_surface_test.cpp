@@ -405,6 +405,11 @@ TEST_CASE("A wall stays a wall, however thin it is") {
   for (const double thickness : {5e-6, 5e-5}) {
     const baker::Mesh mesh = load_shape(box({1, 1, thickness}));
     CHECK(kept_area(baker::outer_surface(mesh, 1e-4)) == Approx(2).epsilon(1e-3));
+    // Also where it is not flat, and what faces it comes near to its edges.
+    const Shape shell = merged(sphere(1, 2), turned_inside_out(sphere(1 - thickness, 2)));
+    CHECK(kept_area(baker::outer_surface(load_shape(shell), 1e-4)) ==
+          Approx(2 * area(shell.vertices, {shell.triangles.begin(), shell.triangles.begin() + 320}))
+              .epsilon(1e-3));
   }
 }
 
