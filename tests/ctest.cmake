@@ -8,7 +8,9 @@ set(SPM_PYTHON_TESTS ${CMAKE_CURRENT_LIST_DIR}/support/python_tests.py CACHE INT
 
 # Every test case of a Catch program: spm_catch_tests(target "prefix: " [property value]...).
 function(spm_catch_tests target prefix)
+  # A name that the program does not know, such as half of one with a semicolon, is a failure.
   catch_discover_tests(${target} ${SPM_CATCH_DISCOVERY} TEST_PREFIX "${prefix}"
+                       EXTRA_ARGS --warn NoTests
                        PROPERTIES SKIP_RETURN_CODE ${SPM_SKIP_CODE} ${ARGN})
 endfunction()
 

@@ -276,7 +276,7 @@ TEST_CASE("A workspace with nothing of the object in it is refused") {
   CHECK(code_at({0.021, 0, 0}).code == ExitCode::invalid_input);
 }
 
-TEST_CASE("The tool of a scene is baked whole; its objects as without it") {
+TEST_CASE("The tool of a scene is baked whole, and its objects as without it") {
   const SceneFolder folder(R"(
 [device]
 profile = "falcon"

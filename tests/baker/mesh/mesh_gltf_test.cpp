@@ -184,7 +184,7 @@ TEST_CASE("Nodes place what hangs below them, however they say it") {
   }
 }
 
-TEST_CASE("Triangles come as lists, strips and fans; points and lines are left out") {
+TEST_CASE("Triangles come as lists, strips and fans, and points and lines are left out") {
   Json json = tetrahedron();
   Json& primitives = json["meshes"][0]["primitives"];
   SECTION("a strip about the tetrahedron") {

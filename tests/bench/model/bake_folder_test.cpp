@@ -21,7 +21,8 @@ Model sphere_model(double radius, char hash) {
   return {{"sphere", "sphere", 400e-6}, std::move(mesh)};
 }
 
-TEST_CASE("A kept asset is taken up with the time of its bake; another mesh or tolerance is not") {
+TEST_CASE(
+    "A kept asset is taken up with the time of its bake, but not for another mesh or tolerance") {
   const TemporaryFolder folder;
   const std::string kept = folder.path() + "/bakes";
   const Model model = sphere_model(0.01, '0');

@@ -48,7 +48,8 @@ double cube_gap(const Isometry3d& pose2) {
 }
 
 TEST_CASE(
-    "The distance of a hull is that of a box's nearest corner, edge or face; 0 around the origin") {
+    "The distance of a hull is that of a box's nearest corner, edge or face, and 0 around the "
+    "origin") {
   RandomTwister random(3);
   for (int trial = 0; trial < 2000; ++trial) {
     const Vector3 middle = random.vector(3);

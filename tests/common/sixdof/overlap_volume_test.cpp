@@ -156,7 +156,8 @@ class TiltedPlane {
 };
 
 TEST_CASE(
-    "The cosine of eq. 15 loses a quarter of a volume at 30 degrees and half at 45; this none") {
+    "The cosine of eq. 15 loses a quarter of a volume at 30 degrees and half at 45, and this "
+    "none") {
   const TiledCubeByHand large(size), small(small_size);
   const Sampled one(large, 0.0005), other(small, 0.0005);
   const test::BoxByHand ground(Vector3::Constant(size));

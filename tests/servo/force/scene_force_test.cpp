@@ -167,7 +167,7 @@ TEST_CASE("A probe's radius and the smoothing's are those of the world") {
   CHECK(found.force.z() == Approx(0.2).epsilon(1e-3));
 }
 
-TEST_CASE("A workspace turns, moves and scales the hand; the force comes back into its frame") {
+TEST_CASE("A workspace turns, moves and scales the hand, and the force comes back into its frame") {
   const test::TiledCubeByHand cube(size);
   ForceScene scene;
   scene.objects = {object_of(Method::spm)};

@@ -63,7 +63,7 @@ TEST_CASE("Channels are offered once, and again where a tool comes") {
   CHECK(client.subscriptions().empty());
 }
 
-TEST_CASE("A client subscribes and ends it; what it may not is answered, and changes nothing") {
+TEST_CASE("A client subscribes and ends it, and what it may not is answered and changes nothing") {
   FoxgloveClient client;
   static_cast<void>(client.offer(channels_of({false})));
   CHECK(client.hear(R"({"op":"subscribe","subscriptions":[{"id":7,"channelId":2}]})").empty());

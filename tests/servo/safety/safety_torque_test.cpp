@@ -54,7 +54,8 @@ TEST_CASE("Every cause makes the torque zero too") {
   }
 }
 
-TEST_CASE("A torque is held to its cap and keeps its direction; the force is not touched by that") {
+TEST_CASE(
+    "A torque is held to its cap and keeps its direction, and that does not touch the force") {
   SafetyStage stage = engaged();
   const Wrench wanted{{1, 0, 0}, {3, -4, 0}};
   SafeWrench sent;

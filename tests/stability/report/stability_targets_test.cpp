@@ -142,7 +142,7 @@ TEST_CASE("The row of static loops says what the object was baked to") {
   CHECK(row_of(report, "static loop energy").worst == "galleon.obj, baked to 100 um");
 }
 
-TEST_CASE("Parts that are named are kept, and no others; without a name all are") {
+TEST_CASE("Parts that are named are kept and no others, and without a name all are") {
   StabilityPlan plan;
   keep_parts(plan, {});
   CHECK((plan.borders && plan.theory && plan.loops && plan.maps && plan.costs));

@@ -204,7 +204,7 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("The same seed gives the same run, bit by bit; another gives another") {
+TEST_CASE("The same seed gives the same run, bit by bit, and another gives another") {
   const SixdofCase tried = sixdof_case("tool-set-on-its-edge");
   RunSettings settings = default_coupling();
   const SixdofRun one = run_of(tried, {"proxy", {}}, settings);

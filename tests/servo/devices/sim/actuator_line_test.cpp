@@ -85,7 +85,7 @@ TEST_CASE("No more than the cap acts, in the direction that was asked for") {
   REQUIRE((line.mean_force(0, 1) - Vector3(6, 0, 8)).norm() < 1e-12);
 }
 
-TEST_CASE("A bandwidth makes the actuator a first-order lag; 0 and infinity make none") {
+TEST_CASE("A bandwidth makes the actuator a first-order lag, but for 0 and infinity") {
   ActuatorSettings settings = prompt();
   settings.bandwidth = 200;
   const double lag = 1 / (2 * std::numbers::pi * settings.bandwidth);

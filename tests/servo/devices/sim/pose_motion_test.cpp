@@ -67,7 +67,7 @@ TEST_CASE("A motion back and forth returns to where it turns, again and again, w
   CHECK(motion.cycle_ticks() == Approx(600).margin(20));
 }
 
-TEST_CASE("A recorded hand follows a pose a tick; a jump becomes a fast way and a fast turn") {
+TEST_CASE("A recorded hand follows a pose a tick, and a jump becomes a fast way and a fast turn") {
   PoseMotion motion = PoseMotion::recorded({pose(0, 0), pose(1e-4, 1e-3), pose(1e-4, 2.0)}, period);
   static_cast<void>(motion.next());
   SixdofTarget target = motion.next();

@@ -201,7 +201,7 @@ TEST_CASE("The simulated hand finds a scene's object where it lies, in the hand'
   REQUIRE(touching >= 1800);
 }
 
-TEST_CASE("A scene's driver and profile make one device; the driver's own profile wins") {
+TEST_CASE("A scene's driver and profile make one device, and the driver's own profile wins") {
   SceneDevice scene;
   REQUIRE(device_of(scene) == "auto");
   REQUIRE(simulated_device_of(scene) == "sim");

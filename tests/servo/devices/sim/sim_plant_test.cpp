@@ -204,7 +204,8 @@ TEST_CASE("The measured position is a whole number of encoder steps, half a step
 }
 
 TEST_CASE(
-    "A reading without encoder steps and noise is the true position; noise is as settings say") {
+    "A reading without encoder steps and noise is the true position, and noise is as settings "
+    "say") {
   PlantSettings settings = plain(smooth, HandModel::none);
   settings.encoder_step = 0;
   SimPlant clear(settings);
