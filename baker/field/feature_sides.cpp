@@ -177,10 +177,11 @@ class Neighbours {
          meeting_pairs(surface.vertices, surface.triangles, 0).crossing) {
       faces_[one] = faces_[other] = FeatureSide::by_crossings;
     }
-    if (!surface.sides) return;
-    // Where the surface does not close, another face may lie on a part of one.
+    // Another face may lie on a part of one, as in a gap that ends in a wedge; and in front of one
+    // at an open side is what closed it.
     std::vector<std::atomic<bool>> covered(surface.triangles.size());
     tbb::parallel_for(std::size_t{0}, covered.size(), [&](std::size_t t) {
+      if (surface.sides && surface.sides->doubtful[t] != 0) covered[t] = true;
       for (const std::uint32_t other : on_places_of(t)) covered[t] = covered[other] = true;
     });
     for (std::size_t t = 0; t < covered.size(); ++t) {
@@ -280,7 +281,7 @@ class Neighbours {
     constexpr double opposite = -0.98;
     std::vector<std::uint32_t> found, near;
     for (const Vector3& place : places_of(t)) {
-      asked_.surface.within(place, surface_.sides->gap, near);
+      asked_.surface.within(place, surface_.sides ? surface_.sides->gap : asked_.thin, near);
       std::copy_if(near.begin(), near.end(), std::back_inserter(found), [&](std::uint32_t other) {
         return other != t && normals_[other].dot(normals_[t]) < opposite;
       });

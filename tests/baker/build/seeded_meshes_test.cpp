@@ -334,6 +334,8 @@ TEST_CASE("Pins made by seeds that were once refused keep the promise") {
   check_seeds(101376, 1, fitted_mesh);
   // Rounding moved a flat edge of the pin through the wall of its hole.
   for (const std::uint64_t seed : {117, 237, 171, 288}) check_seeds(seed, 1, fitted_mesh);
+  // A gap that ends in a wedge, and a sliver in front of which one was closed.
+  for (const std::uint64_t seed : {301395, 301329}) check_seeds(seed, 1, fitted_mesh);
 }
 
 /// Seeds of which SPM_SEEDS names others, as first:count.
