@@ -31,6 +31,9 @@ struct ForceSettings {
   /// Unit, along the probe's long side, in the frame that the force is asked in; for an object of a
   /// scene that of the hand.
   Vector3 probe_axis = Vector3::UnitZ();
+  /// d of eq. 12, of `paper` against a tool that is an object; a number, 1 is the material whose
+  /// stiffness is given.
+  double density = 1;
 
   [[nodiscard]] ProbeShape probe() const noexcept {
     return {probe_kind, probe_radius, probe_length};

@@ -22,6 +22,7 @@ MethodMismatch mismatch_of(const ForceSettings& settings, const EffectSettings& 
     if (probe.paper_only()) return MethodMismatch::probe;
     if (effects.friction_force > 0) return MethodMismatch::paper_friction;
     if (effects.texture_noise > 0) return MethodMismatch::paper_texture;
+    if (settings.density != 1) return MethodMismatch::density;
   }
   const bool smooth = effects.smoothing.sigma > 0;
   return settings.method != Method::spm && smooth ? MethodMismatch::smoothing

@@ -18,6 +18,7 @@ enum class MethodMismatch : std::uint8_t {
   texture,          ///< by amplitude and wavelength: not of paper
   paper_friction,   ///< by force and gain: of paper alone
   paper_texture,    ///< by noise: of paper alone
+  density,          ///< of paper alone
   smoothing,        ///< of spm alone
 };
 

@@ -20,11 +20,11 @@ struct TextureHeight {
   Vector3 gradient = Vector3::Zero();  ///< of the height; dimensionless
 };
 
-/// The texture at a place of the object, m, object's frame. It is noise in space, so that the same
-/// place feels the same however the hand comes to it; eq. 19's noise in time does not. Values at
-/// the corners of a lattice are derived from their positions and the seed, and are blended smoothly
-/// to the second derivative (Perlin 2002). A place that is not finite, or too far away for the
-/// lattice to count, has no texture.
+/// The texture at a place of the object, m, object's frame. It is noise in space, as that
+/// of eq. 19 is on a map (map_noise), but over all of the object, and smooth. Values at the corners
+/// of a lattice are derived from their positions and the seed, and are blended smoothly to the
+/// second derivative (Perlin 2002). A place that is not finite, or too far away for the lattice to
+/// count, has no texture.
 [[nodiscard]] TextureHeight texture_at(const TextureSettings& settings,
                                        const Vector3& place) noexcept;
 

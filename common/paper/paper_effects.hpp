@@ -21,8 +21,8 @@ namespace spm {
 [[nodiscard]] Vector3 haptic_force(const Vector3& reaction, const Vector3& friction,
                                    const Vector3& damping) noexcept;
 
-/// Force of a surface that noise n_g (m), added to its distance map, makes rough, N: eq. 19 to the
-/// letter where there is contact, zero elsewhere. Stiffness in N/m.
+/// Force of a surface that noise n_g (m), added to its distance map (map_noise), makes rough, N:
+/// eq. 19 to the letter where there is contact, zero elsewhere. Stiffness in N/m.
 [[nodiscard]] Vector3 paper_texture_force(double stiffness, const PaperContact& contact,
                                           double noise) noexcept;
 

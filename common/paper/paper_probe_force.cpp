@@ -15,7 +15,7 @@ namespace {
 struct Column {
   ProbeSpan probe;     ///< near: S-, far: S+
   double surface = 0;  ///< D_SP
-  Vector3 normal = Vector3::Zero();
+  Vector3 normal = Vector3::Zero();  ///< n_S of eq. 5, not of unit length
 };
 
 /// The height of a map at a place. Where only some of the four samples around it met the surface,
@@ -53,7 +53,7 @@ void visit_columns(const AssetView& asset, const ImplicitProbe& probe, const Vis
       found.surface = height.value;
       found.probe = probe.span(support_plane_point(plane, eta, omega), -plane.n);
       if (!found.probe.hit() || !(found.probe.far > found.surface)) continue;
-      found.normal = surface_normal(plane, height.d_eta, height.d_omega).normalized();
+      found.normal = surface_normal(plane, height.d_eta, height.d_omega);
       visit(found);
     }
   }

@@ -30,7 +30,10 @@ struct PaperProbeForce {
 /// Eq. 10 takes max(S+ - S_SP, 0). Read literally, S_SP is the support plane itself. No point of
 /// the object is above that plane, so every sample would push. The surface is meant, at D_SP below
 /// the plane, as in eq. 3. S+ and S- are measured from the plane, as D_SP is. The paper does not
-/// define N_total of eq. 11; here it is N+ plus N-.
+/// define N_total of eq. 11; here it is N+ plus N-. n_S is that of eq. 5, not of unit length, as
+/// eq. 10 writes it and eq. 9 does not: where the surface is inclined by 30 degrees against the
+/// plane, the force is 15 % more than along a unit normal, and on top of that the depth is measured
+/// along the plane's.
 ///
 /// The sum runs over a lattice of at most about `most_probe_samples` places (ProbeFootprint), so
 /// that its time has a bound.
@@ -38,8 +41,8 @@ struct PaperProbeForce {
                                                 double stiffness) noexcept;
 
 /// The form over the probe's volume that section 3.2 sketches, N: the mean of k times the depth
-/// under the surface over the submerged part of the probe, along the surface's normals. It is eq.
-/// 10 with one more integral along the plane's normal, which is evaluated in closed form.
+/// under the surface over the submerged part of the probe, along n_S of eq. 5. It is eq. 10 with
+/// one more integral along the plane's normal, which is evaluated in closed form.
 [[nodiscard]] Vector3 paper_probe_volume_force(const AssetView& asset, const ImplicitProbe& probe,
                                                double stiffness) noexcept;
 

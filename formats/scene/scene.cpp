@@ -18,6 +18,8 @@
 namespace spm {
 namespace {
 
+constexpr double max_density = 1000;  // nothing is so many times denser than another
+
 /// Resolves a path in a scene: relative to the scene's own folder.
 std::string resolved(const std::string& scene, const std::string& path) {
   if (path.empty()) return path;
@@ -83,6 +85,7 @@ SceneObject read_object(TableReader&& reader, const Scene& scene) {
           reader.word("paper_rule", {"closest-plane", "closest-surface", "all-planes"})) {
     object.rule = rules[*word];
   }
+  object.density = reader.number("density", 0, max_density, object.density);
   std::optional<double> chosen;
   if (scene.device.profile != nullptr) {
     chosen = stable_stiffness(*scene.device.profile) / scene.workspace.scale;
@@ -193,8 +196,8 @@ Scene read_document(const std::string& path, const toml::table& document,
   for (const toml::node& node : *objects->as_array()) {
     TableReader reader(
         path, *node.as_table(), "[[object]]",
-        {"asset", "mesh", "pose", "scale", "stiffness", "method", "paper_rule", "friction",
-         "damping", "texture", "smoothing", "turn_limit", "movable", "open"},
+        {"asset", "mesh", "pose", "scale", "stiffness", "method", "paper_rule", "density",
+         "friction", "damping", "texture", "smoothing", "turn_limit", "movable", "open"},
         error);
     scene.objects.push_back(read_object(std::move(reader), scene));
     scene.objects.back().line = static_cast<int>(node.source().begin.line);

@@ -49,6 +49,7 @@ struct SceneObject {
   bool stiffness_chosen = false;  ///< chosen for the device: the scene says "auto"
   std::optional<Method> method;   ///< empty: the default
   PaperRule rule = PaperRule::closest_plane;
+  double density = 1;          ///< d of eq. 12, of method paper against a tool that is an object
   EffectSettings effects;      ///< lengths, forces and damping in the world's units
   bool movable = false;        ///< an application may move it
   std::optional<OpenAs> open;  ///< what a bake takes open parts of the mesh for

@@ -2,20 +2,13 @@
 #include "servo/force/contact_model.hpp"
 
 #include <cmath>
-#include <numbers>
 
-#include "common/base/random.hpp"
+#include "common/paper/map_noise.hpp"
 #include "common/paper/paper_effects.hpp"
 
 namespace spm {
 
 namespace {
-
-/// A number of 53 bits above 0 and below 1, from a seed and a place in its sequence.
-double unit_number(std::uint64_t seed, std::uint64_t place) noexcept {
-  const std::uint64_t bits = mixed_bits(seed + mixed_bits_step * place);
-  return (static_cast<double>(bits >> 11U) + 0.5) * 0x1p-53;
-}
 
 /// The contact that eq. 17 and 19 are of. For a probe with a size S_SP - D_SP is the mean that its
 /// force came from, and the plane is that of its centre.
@@ -28,12 +21,6 @@ PaperContact paper_place(const AssetView& asset, const ForceSettings& force, con
   found.plane_depth = found.depth = contact.depth;
   found.normal = contact.normal;
   return found;
-}
-
-/// A draw of the normal distribution (Box and Muller).
-double gaussian_number(std::uint64_t seed, std::uint64_t place) noexcept {
-  return std::sqrt(-2 * std::log(unit_number(seed, 2 * place))) *
-         std::cos(2 * std::numbers::pi * unit_number(seed, 2 * place + 1));
 }
 
 }  // namespace
@@ -57,8 +44,6 @@ void ContactModel::rest() noexcept {
   coupling_.reset();
   lattice_.forget();
   last_normal_.setZero();
-  // So that a replay from here on draws the same noise.
-  ticks_ = 0;
   held_.contact = false;
   care_ = Care::exact;
   last_known_ = false;
@@ -70,7 +55,6 @@ void ContactModel::continue_from(const ContactModel& other) noexcept {
   last_point_ = other.last_point_;
   last_normal_ = other.last_normal_;
   last_turned_at_ = other.last_turned_at_;
-  ticks_ = other.ticks_;
   last_known_ = other.last_known_;
   held_ = other.held_;
   held_at_ = other.held_at_;
@@ -175,7 +159,6 @@ void ContactModel::add_effects(const AssetView& asset, const Vector3& point, std
   const Vector3 motion = last_known_ ? Vector3(point - last_point_) : Vector3::Zero();
   last_point_ = point;
   last_known_ = true;
-  ++ticks_;
   if (!contact.contact) {
     friction_ = {};
     return;
@@ -203,7 +186,8 @@ void ContactModel::add_paper_effects(const AssetView& asset, const Vector3& poin
   const PaperContact found = paper_place(asset, settings_.force, point, contact);
   Vector3 reaction = contact.force;
   if (effects.texture_noise > 0) {
-    const double noise = effects.texture_noise * gaussian_number(effects.noise_seed, ticks_);
+    const double noise =
+        effects.texture_noise * map_noise(asset, found.plane, point, effects.noise_seed);
     reaction = paper_texture_force(settings_.force.stiffness, found, noise);
   }
   // P_M, the projection on the plane, moves by the component of the motion along the plane.

@@ -73,7 +73,6 @@ class ContactModel {
   Vector3 last_point_ = Vector3::Zero();
   Vector3 last_normal_ = Vector3::Zero();  ///< unit; zero where the last tick had no contact
   Vector3 last_turned_at_ = Vector3::Zero();
-  std::uint64_t ticks_ = 0;
   bool last_known_ = false;
   Care care_ = Care::exact;
   ContactForce held_;                  ///< that of the last exact tick, if it had contact

@@ -62,9 +62,9 @@ bool feels_alike(const PlacedObject& one, const PlacedObject& other) noexcept {
          mine.rule == theirs.rule && mine.probe_radius == theirs.probe_radius &&
          mine.probe_kind == theirs.probe_kind && mine.form == theirs.form &&
          mine.probe_length == theirs.probe_length && mine.probe_axis == theirs.probe_axis &&
-         my.smoothing.sigma == their.smoothing.sigma && my.turn.rate == their.turn.rate &&
-         my.turn.jump == their.turn.jump && my.turn.step == their.turn.step &&
-         my.noise_seed == their.noise_seed;
+         mine.density == theirs.density && my.smoothing.sigma == their.smoothing.sigma &&
+         my.turn.rate == their.turn.rate && my.turn.jump == their.turn.jump &&
+         my.turn.step == their.turn.step && my.noise_seed == their.noise_seed;
 }
 
 bool feels_the_same(const PlacedObject& one, const PlacedObject& other) noexcept {

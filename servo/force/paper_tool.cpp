@@ -111,10 +111,10 @@ PaperPlanes paper_planes(const AssetView& object1, const AssetView& object2,
 
 PenetrationVolume paper_overlap(const AssetView& object1, const AssetView& object2,
                                 const Eigen::Isometry3d& pose2, const PaperPlanes& planes,
-                                std::uint32_t stride) noexcept {
+                                double density, std::uint32_t stride) noexcept {
   if (planes.apart) return {};
-  return penetration_volume(object1, planes.of1, object2, planes.of2, pose2, 1, AreaFactor::paper,
-                            stride);
+  return penetration_volume(object1, planes.of1, object2, planes.of2, pose2, density,
+                            AreaFactor::paper, stride);
 }
 
 double paper_tool_area(const AssetView& tool) noexcept {
@@ -232,12 +232,15 @@ void ToolForce::press_by_paper(const Eigen::Isometry3d& device, std::span<ToolOb
   look_by_paper(device, objects, budget, effort);
   for (const PaperLooks::Look& look : looks_.looks()) {
     ToolObject& object = objects[look.object];
-    const double stiffness =
-        std::min(object.settings->force.stiffness, loop_.limits.stiffness / scale_);
-    const PenetrationVolume found =
-        paper_overlap(*object.asset, tool, look.pose2, look.planes, 1U << look.level);
+    const ForceSettings& felt_as = object.settings->force;
+    const PenetrationVolume found = paper_overlap(*object.asset, tool, look.pose2, look.planes,
+                                                  felt_as.density, 1U << look.level);
     looks_.note(look.object, found.volume > 0);
-    if (!(found.volume > 0) || !(stiffness > 0)) continue;
+    if (!(found.volume > 0)) continue;
+    // The force goes by the mass of eq. 12, and is no stiffer than the device allows.
+    const double stiffness =
+        std::min(felt_as.stiffness * found.mass / found.volume, loop_.limits.stiffness / scale_);
+    if (!(stiffness > 0)) continue;
     const Vector3 centre = object.pose * (scale * found.centre);
     const Vector3 normal = object.pose.linear() * found.normal;
     const double pressed = found.area * scale * scale, share = std::min(1.0, pressed / area);

@@ -27,10 +27,10 @@ struct PaperPlanes {
                                        const Eigen::Isometry3d& pose2) noexcept;
 
 /// Object against object to the paper's letter (section 3.3): the volume that these planes see (eq.
-/// 12 to 15), and the single force at its centre. `stride`: as of penetration_volume.
+/// 12 to 15), and the single force at its centre. `density`, `stride`: as of penetration_volume.
 [[nodiscard]] PenetrationVolume paper_overlap(const AssetView& object1, const AssetView& object2,
                                               const Eigen::Isometry3d& pose2,
-                                              const PaperPlanes& planes,
+                                              const PaperPlanes& planes, double density = 1,
                                               std::uint32_t stride = 1) noexcept;
 
 /// The area of a tool, m2, from which on its overlap with an object of stiffness K (N/m) pushes as

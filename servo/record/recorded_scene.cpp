@@ -18,7 +18,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 // A field that is added to one of these must be recorded below, or replays go wrong.
-static_assert(sizeof(ForceSettings) == 64);
+static_assert(sizeof(ForceSettings) == 72);
 static_assert(sizeof(EffectSettings) == 128);
 static_assert(sizeof(StabilizationSettings) == 72);
 static_assert(sizeof(ToolSettings) == 144);
@@ -168,6 +168,7 @@ void walk(Fields& fields, PlacedObject& object) {
       fields.number(axis[static_cast<std::size_t>(i)], object.force.probe_axis[i], -2);
     }
   }
+  if (fields.has("density")) fields.number("density", object.force.density, 0);
   fields.flag("movable", object.movable);
   fields.flag("stiffness_chosen", object.stiffness_chosen);
   walk(fields, object.placement);

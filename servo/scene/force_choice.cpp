@@ -51,6 +51,9 @@ std::string in_words(MethodMismatch mismatch, const ForceSettings& settings) {
     case MethodMismatch::paper_texture:
       return "texture by 'noise' is of method paper alone; give 'amplitude' and 'wavelength', or "
              "take method paper";
+    case MethodMismatch::density:
+      return "'density' is of method paper alone, against a tool that is an object; leave it out, "
+             "or take method paper";
     case MethodMismatch::smoothing:
       return "'smoothing' is of method spm alone; leave it out, or take method spm";
   }
@@ -142,6 +145,7 @@ PlacedObject placed(const ForceOptions& options, const SceneObject& object, cons
   ForceSettings& force = placed.force;
   force.method = options.method.value_or(method_of(object, stabilization));
   force.rule = options.rule.value_or(object.rule);
+  force.density = object.density;
   const bool is_left_open =
       !object.stiffness_given || object.stiffness_chosen || options.stiffness_chosen;
   if (is_left_open) force.stiffness = suitable;

@@ -48,10 +48,13 @@ bool same_turn(const TurnLimit& a, const TurnLimit& b) {
 std::uint32_t bit(bool same, ObjectAspect aspect) { return same ? 0 : std::uint32_t{aspect}; }
 
 std::uint32_t aspects_of_force(const ForceSettings& a, const ForceSettings& b) {
-  const auto& [method_a, rule_a, stiffness_a, radius_a, kind_a, form_a, length_a, axis_a] = a;
-  const auto& [method_b, rule_b, stiffness_b, radius_b, kind_b, form_b, length_b, axis_b] = b;
+  const auto& [method_a, rule_a, stiffness_a, radius_a, kind_a, form_a, length_a, axis_a,
+               density_a] = a;
+  const auto& [method_b, rule_b, stiffness_b, radius_b, kind_b, form_b, length_b, axis_b,
+               density_b] = b;
   return bit(std::tie(method_a, rule_a) == std::tie(method_b, rule_b), aspect_method) |
-         bit(stiffness_a == stiffness_b, aspect_stiffness) |
+         bit(std::tie(stiffness_a, density_a) == std::tie(stiffness_b, density_b),
+             aspect_stiffness) |
          bit(std::tie(form_a, kind_a, radius_a, length_a, axis_a) ==
                  std::tie(form_b, kind_b, radius_b, length_b, axis_b),
              aspect_probe);

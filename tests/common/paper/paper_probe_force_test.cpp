@@ -132,7 +132,7 @@ TEST_CASE("On a ball-shaped object a ball feels the integrals over the exact sur
         const Vector3 over = centre + Vector3(x, y, 0);
         const double half = std::sqrt(square);
         const double top = std::sqrt(large * large - over.x() * over.x() - over.y() * over.y());
-        const Vector3 normal = Vector3(over.x(), over.y(), top) / large;
+        const Vector3 normal = Vector3(over.x(), over.y(), top) / top;  // n_S of eq. 5
         const double middle = top - large - over.z();
         const double far = middle + half, near = middle - half;
         skin += (std::max(far, 0.0) + std::max(near, 0.0)) * normal;
@@ -157,8 +157,19 @@ TEST_CASE("On a slope the force is along the surface's normal, not the plane's")
   const Ground ground(0.5);
   const Vector3 force =
       paper_probe_force(ground.view, SphereProbe({0, 0, -0.002}, 0.004), stiffness).force;
-  const Vector3 normal = surface_normal(ground.plane(), 0.5, 0).normalized();
-  CHECK(force.normalized().dot(normal) == Approx(1));
+  const Vector3 normal = surface_normal(ground.plane(), 0.5, 0);
+  CHECK(force.normalized().dot(normal.normalized()) == Approx(1));
+}
+
+TEST_CASE("On a slope of 30 degrees eq. 10 gives 15 % more than along a unit normal") {
+  const double slope = std::tan(std::numbers::pi / 6);
+  const Ground ground(slope);
+  // Wholly in the ground, where the mean depth along the plane's normal is that of the centre.
+  const PaperProbeForce found =
+      paper_probe_force(ground.view, SphereProbe({0, 0, -0.015}, 0.004), stiffness);
+  CHECK(found.near_count == found.far_count);
+  CHECK(found.force.norm() ==
+        Approx(stiffness * 0.015 / std::cos(std::numbers::pi / 6)).epsilon(0.001));
 }
 
 TEST_CASE("A ball far smaller than a map's samples feels what it would on any map") {

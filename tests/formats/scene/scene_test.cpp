@@ -123,6 +123,7 @@ wavelength = "0.5mm"
 asset = "c.spm.exr"
 method = "paper"
 paper_rule = "all-planes"
+density = 1.5
 friction = { force = "300mN", depth_gain = "0.1/mm" }
 texture = { noise = "10um", seed = 3 }
 )");
@@ -151,6 +152,8 @@ texture = { noise = "10um", seed = 3 }
   const EffectSettings& third = scene->objects[2].effects;
   CHECK(scene->objects[2].method == Method::paper);
   CHECK(scene->objects[2].rule == PaperRule::all_planes);
+  CHECK(scene->objects[1].density == 1);
+  CHECK(scene->objects[2].density == 1.5);
   CHECK(third.friction_force == Approx(0.3));
   CHECK(third.friction_depth == Approx(100));
   CHECK(third.texture_noise == Approx(1e-5));
@@ -215,6 +218,7 @@ TEST_CASE("What is wrong in an object's effects is told by its line, cause and c
            Case{"smoothing = { sigma = 1e-3 }", "\"0.2mm\""},
            Case{"method = \"voxels\"", "it can be spm proxy paper"},
            Case{"method = 3", "must be text"},
+           Case{"density = -1", "0 to 1000"},
            Case{"paper_rule = \"best\"", "closest-plane closest-surface all-planes"},
            Case{"scale = -1", "mirrored"},
            Case{"scale = 1e7", "from 1e-6 to 1e6"},

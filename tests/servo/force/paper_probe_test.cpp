@@ -115,9 +115,10 @@ TEST_CASE("Friction, damping and noise of eq. 17 to 19 act on a ball's mean dept
   CHECK(found.force.x() == Approx(-0.2 * (1 + 100 * found.depth) - 3 * 0.01).epsilon(1e-6));
   object.effects = {};
   object.effects.texture_noise = 2e-5;
-  SceneForce rough({{}, {object}, {}}, tick, 0);
   double sum = 0, squares = 0;
-  for (int step = 0; step < 4000; ++step) {
+  for (int seed = 0; seed < 4000; ++seed) {
+    object.effects.noise_seed = static_cast<std::uint64_t>(seed);
+    SceneForce rough({{}, {object}, {}}, tick, 0);
     const ContactForce one = rough.next(Assets{&box.view}, {0, 0, height});
     const double noise = one.force.z() / 1000 - one.depth;
     sum += noise / 4000;

@@ -34,12 +34,14 @@ struct PaperScene {
   std::unique_ptr<SampledTool> sampled;
   std::unique_ptr<SceneForce> force;
 
+  explicit PaperScene(double density) : PaperScene({}, 0, 0, 0, density) {}
   explicit PaperScene(const std::vector<Vector3>& others = {}, double budget = 0,
-                      double damping = 0, double damping_share = 0) {
+                      double damping = 0, double damping_share = 0, double density = 1) {
     ForceScene scene;
     scene.stabilization.damping_share = damping_share;
     scene.objects = {test::ToolScene::object_of(Method::paper, 2000)};
     scene.objects[0].effects.damping = damping;
+    scene.objects[0].force.density = density;
     scene.added = scene.objects[0];
     for (const Vector3& place : others) {
       scene.objects.push_back(scene.added);
@@ -101,6 +103,16 @@ TEST_CASE("By method paper a part of the tool's face gives a part of the object'
   CHECK(part < 1);
   CHECK(contact.force.norm() == Approx(2000 * depth * part).epsilon(0.1));
   CHECK(scene.force->tool().patches[0].depth == Approx(depth).epsilon(1e-6));
+}
+
+TEST_CASE("By method paper the force goes by the mass of eq. 12, which the density weighs") {
+  PaperScene plain, dense(2.5);
+  const Vector3 pressed(0.002, 0.001, 0.0245);
+  const ContactForce one = plain.next(pressed), other = dense.next(pressed);
+  REQUIRE(one.contact);
+  CHECK(other.force.z() == Approx(2.5 * one.force.z()));
+  CHECK((other.torque - 2.5 * one.torque).norm() < 1e-9);
+  CHECK_FALSE(PaperScene(0.0).next(pressed).contact);
 }
 
 TEST_CASE("The sides of a tool's box count, not the margin about them") {

@@ -25,8 +25,9 @@ PlacedObject object_of(double at) {
   object.placement.position = {at, 1.0 / 3, -1e-9};
   object.placement.rotation = Eigen::Quaterniond(0.5, -0.5, 0.5, 0.5);
   object.placement.scale = 1.1;
-  object.force = {Method::proxy,      PaperRule::all_planes,  123.4, 1e-3,
-                  ProbeKind::capsule, PaperProbeForm::volume, 7e-3,  {0.6, 0, -0.8}};
+  object.force = {Method::proxy, PaperRule::all_planes, 123.4,
+                  1e-3,          ProbeKind::capsule,    PaperProbeForm::volume,
+                  7e-3,          {0.6, 0, -0.8},        2.5};
   EffectSettings& effects = object.effects;
   effects.friction = {0.31, 0.21, 777.7};
   effects.damping = 0.7;

@@ -178,6 +178,7 @@ TEST_CASE("A scene that cannot be felt exits 3 with the line of its object and t
                 "'noise'"},
            Case{"asset = \"a\"\nfriction = { force = \"1N\" }", "method paper alone"},
            Case{"asset = \"a\"\ntexture = { noise = \"1um\" }", "method paper alone"},
+           Case{"asset = \"a\"\ndensity = 2", "method paper alone"},
            Case{"asset = \"a\"\nmethod = \"proxy\"\nsmoothing = { sigma = \"1mm\" }",
                 "method spm alone"},
        }) {

@@ -44,6 +44,7 @@ const std::vector<Edit> edits{
            o.force.rule == PaperRule::all_planes ? PaperRule::closest_plane : PaperRule::all_planes;
      }},
     {aspect_stiffness, "stiffness", [](auto& o, auto& r) { o.force.stiffness = 1e3 * drawn(r); }},
+    {aspect_stiffness, "stiffness", [](auto& o, auto& r) { o.force.density = drawn(r); }},
     {aspect_probe, "probe", [](auto& o, auto& r) { o.force.probe_radius = drawn(r); }},
     {aspect_probe, "probe", [](auto& o, auto& r) { o.force.probe_length = drawn(r); }},
     {aspect_probe, "probe", [](auto& o, auto&) { o.force.probe_axis = -o.force.probe_axis; }},
@@ -128,7 +129,10 @@ PlacedObject with_aspects(PlacedObject object, const PlacedObject& from, std::ui
     object.force.method = from.force.method;
     object.force.rule = from.force.rule;
   }
-  if (has(aspect_stiffness)) object.force.stiffness = from.force.stiffness;
+  if (has(aspect_stiffness)) {
+    object.force.stiffness = from.force.stiffness;
+    object.force.density = from.force.density;
+  }
   if (has(aspect_probe)) {
     object.force.take_probe(from.force.probe());
     object.force.probe_axis = from.force.probe_axis;
@@ -167,6 +171,7 @@ std::vector<double> numbers_of(const PlacedObject& o) {
           static_cast<double>(o.force.method),
           static_cast<double>(o.force.rule),
           o.force.stiffness,
+          o.force.density,
           o.force.probe_radius,
           o.force.probe_length,
           o.force.probe_axis.z(),

@@ -48,8 +48,8 @@ StabilityCase slow_friction() {
 StabilityCase texture_at_rest() {
   StabilityCase made = press_case(
       "effects", "texture-at-rest",
-      "A wall with a texture of 50 um is held with 2 N: noise drawn every tick buzzes under a hand "
-      "that does not move, a texture in space is silent.",
+      "A wall with a texture of 50 um is held with 2 N: it is to be silent under a hand that does "
+      "not move, as noise on the map and a texture in space are.",
       flat_block(), {.place = {place_x, place_y, 0}});
   made.max_depth = 15e-3;
   made.effects.texture.amplitude = 50e-6;
