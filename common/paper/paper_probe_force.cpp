@@ -13,8 +13,8 @@ namespace {
 
 /// A sample of a map, and the probe's span along its ray; all in m below the support plane.
 struct Column {
-  ProbeSpan probe;     ///< near: S-, far: S+
-  double surface = 0;  ///< D_SP
+  ProbeSpan probe;                   ///< near: S-, far: S+
+  double surface = 0;                ///< D_SP
   Vector3 normal = Vector3::Zero();  ///< n_S of eq. 5, not of unit length
 };
 
