@@ -45,6 +45,12 @@ inline constexpr std::uint64_t mixed_bits_step = 0x9E3779B97F4A7C15U;
   return {flat * std::cos(turn), flat * std::sin(turn), z};
 }
 
+/// A number of the normal distribution, mean 0 and standard deviation 1, for `a` and `b` uniform in
+/// [0, 1) (Box and Muller).
+[[nodiscard]] inline double normal_of(double a, double b) noexcept {
+  return std::sqrt(-2 * std::log(1 - a)) * std::cos(2 * std::numbers::pi * b);
+}
+
 /// A sequence of random numbers that is the same on every machine (splitmix64).
 class Random {
  public:
@@ -61,10 +67,10 @@ class Random {
     return low + (high - low) * unit_of_bits(next());
   }
 
-  /// Normally distributed, mean 0 and standard deviation 1 (Box and Muller).
+  /// Normally distributed, mean 0 and standard deviation 1.
   [[nodiscard]] double normal() noexcept {
-    const double radius = std::sqrt(-2 * std::log(1 - between(0, 1)));
-    return radius * std::cos(between(0, 2 * std::numbers::pi));
+    const double a = unit_of_bits(next());
+    return normal_of(a, unit_of_bits(next()));
   }
 
   /// A unit vector, uniform on the sphere.

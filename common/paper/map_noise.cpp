@@ -1,19 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/paper/map_noise.hpp"
 
-#include <cmath>
-#include <numbers>
-
 #include "common/base/random.hpp"
 
 namespace spm {
 
 namespace {
 
-/// The noise at a sample (Box and Muller).
 double sample_noise(std::uint64_t seed, std::uint64_t sample) noexcept {
-  return std::sqrt(-2 * std::log(1 - random_unit(seed, 2 * sample))) *
-         std::cos(2 * std::numbers::pi * random_unit(seed, 2 * sample + 1));
+  return normal_of(random_unit(seed, 2 * sample), random_unit(seed, 2 * sample + 1));
 }
 
 }  // namespace
