@@ -22,6 +22,7 @@ RIVALS = {
     "openvdb": ("D", 0, (-3, 6)),
     "nanovdb": ("d", 0, (-6, -3)),
     "adaptive-sdf": ("^", 0, (6, 3)),
+    "hp-sdf": ("P", -1, (6, 0)),
 }
 EXACT = {
     "embree": ("o", 0, (-6, 0)),

@@ -83,4 +83,15 @@ enum class NanoVoxel : std::uint8_t {
 /// BakeError where it would hold more than a gigabyte.
 [[nodiscard]] std::unique_ptr<Method> make_adaptive_sdf(const Model& model, double tolerance);
 
+/// Reports ask `hp-sdf` for so small a share of a tolerance as a root mean square.
+inline constexpr double hp_share = 1.0 / 16;
+
+/// An octree of polynomials whose degree and cell adapt (Koschier, Deul and Bender, "Hierarchical
+/// hp-Adaptive Signed Distance Fields", 2016): orthonormal Legendre terms by Gauss's quadrature; a
+/// cell's error is estimated by its terms of the highest degree, and the worst cell is refined by a
+/// degree or by octants, whichever gains more for each term, until the estimated root mean square
+/// over the cells is `rms` metres. Bytes: a word a node, floats for degree and terms. Beyond theirs
+/// it leaves out cubes beyond the band, as ours does. Throws BakeError as the one above.
+[[nodiscard]] std::unique_ptr<Method> make_hp_sdf(const Model& model, double rms);
+
 }  // namespace spm::bench

@@ -119,7 +119,7 @@ TEST_CASE("The paper's rule is exact inside a box, whose facets are its planes")
   const Model model = model_of(test::box(box_size));
   const auto method = make_paper(model, 6, 33);
   CHECK(method->facts().settings == "6 planes, 33x33");
-  CHECK(method->facts().resident_bytes > 6 * 33 * 33 * sizeof(float));
+  CHECK(method->facts().resident_bytes > sizeof(float) * 6 * 33 * 33);
   double asked = 0, answered = 0;
   for (std::uint64_t i = 0; i < 2000; ++i) {
     const Vector3 point = place_around(model, i);
@@ -194,6 +194,15 @@ TEST_CASE("Distance fields are exact where the distance is linear") {
   }
 }
 
+TEST_CASE("An hp-adaptive field comes near a plane beside edges as its cells shrink") {
+  const Model model = model_of(test::box(box_size));
+  const auto truth = [](const Vector3& point) { return box_distance(point); };
+  const double rough = largest_error(*make_hp_sdf(model, 20e-6), model, truth);
+  const double fine = largest_error(*make_hp_sdf(model, 1e-6), model, truth);
+  CHECK(rough < 0.2e-3);
+  CHECK(fine < rough / 2);
+}
+
 TEST_CASE("Distance fields of a ball err as little as their cells allow") {
   const Model model = model_of(test::sphere(ball_radius, 5));
   const auto truth = [](const Vector3& point) { return point.norm() - ball_radius; };
@@ -217,21 +226,24 @@ TEST_CASE("Distance fields of a ball err as little as their cells allow") {
   }
   // Between the tried places an adaptive field may have a slightly larger error.
   CHECK(largest_error(*make_adaptive_sdf(model, tolerance), model, truth) < 1.1 * tolerance + flat);
+  // The estimate is a root mean square; a ball has no place that is much worse than others.
+  CHECK(largest_error(*make_hp_sdf(model, hp_share * tolerance), model, truth) < tolerance + flat);
 }
 
 TEST_CASE("Beyond the band no method claims a distance") {
   const Model model = model_of(test::box(box_size));
   const Vector3 outside(box_size.x() / 2 + 0.004, 0, 0);
   const double infinity = std::numeric_limits<double>::infinity();
-  for (const auto& method :
-       {make_grid(model, 1e-3, GridLists::own), make_adaptive_sdf(model, tolerance)}) {
+  for (const auto& method : {make_grid(model, 1e-3, GridLists::own),
+                             make_adaptive_sdf(model, tolerance), make_hp_sdf(model, tolerance)}) {
     CHECK(method->query(outside).status == Status::far);
     CHECK(method->query(Vector3::Zero()).status == Status::deep);
     CHECK(method->query(Vector3::Zero()).distance == -bench_band.max_depth);
   }
   for (const auto& method :
        {make_grid(model, 1e-3, GridLists::own), make_dense_sdf(sample_band(model, 1e-3)),
-        make_openvdb(sample_band(model, 1e-3)), make_adaptive_sdf(model, tolerance)}) {
+        make_openvdb(sample_band(model, 1e-3)), make_adaptive_sdf(model, tolerance),
+        make_hp_sdf(model, tolerance)}) {
     CHECK(method->query(Vector3::Constant(std::nan(""))).status == Status::far);
     CHECK(method->query(Vector3::Constant(infinity)).status == Status::far);
   }
@@ -240,20 +252,20 @@ TEST_CASE("Beyond the band no method claims a distance") {
 TEST_CASE("Bytes count all that a method keeps") {
   const Model model = model_of(test::box(box_size));
   const std::uint64_t mesh = FloatMesh::bytes_of(8, 12);
-  CHECK(mesh == 8 * 3 * sizeof(float) + 12 * 3 * sizeof(std::uint32_t));
+  CHECK(mesh == sizeof(float) * 8 * 3 + sizeof(std::uint32_t) * 12 * 3);
   CHECK(FloatMesh(model.surface).bytes() == mesh);
 
   // 21 x 17 x 13 mm with the margin: one cell per mm; nodes are one more, and one to spare.
-  const std::uint64_t nodes = 23 * 19 * 15;
+  const std::uint64_t nodes = std::uint64_t{23} * 19 * 15;
   CHECK(make_dense_sdf(sample_band(model, 1e-3))->facts().resident_bytes == nodes * sizeof(float));
 
-  const std::uint64_t cells = 22 * 18 * 14;
+  const std::uint64_t cells = std::uint64_t{22} * 18 * 14;
   const MethodFacts shared = make_grid(model, 1e-3, GridLists::shared)->facts();
   // The twelve triangles make few different lists, and each is stored once.
   CHECK(shared.file_bytes > mesh + 4 * cells);
-  CHECK(shared.file_bytes < mesh + 4 * cells + 4 * 13 * 200);
+  CHECK(shared.file_bytes < mesh + 4 * cells + std::uint64_t{4} * 13 * 200);
   // In memory a cell has two words, and the triangles are in two packets.
-  CHECK(shared.resident_bytes > mesh + 8 * cells + 2 * 16 * 32);
+  CHECK(shared.resident_bytes > mesh + 8 * cells + std::uint64_t{2} * 16 * 32);
   const MethodFacts own = make_grid(model, 1e-3, GridLists::own)->facts();
   CHECK(own.file_bytes == shared.file_bytes);
   CHECK(own.resident_bytes > shared.resident_bytes);
@@ -264,12 +276,17 @@ TEST_CASE("Bytes count all that a method keeps") {
 
   // At least the floats of one leaf, with 8 voxels per side, for every 8 mm.
   CHECK(make_openvdb(sample_band(model, 1e-3))->facts().resident_bytes >
-        3 * 2 * 2 * 512 * sizeof(float));
+        sizeof(float) * 3 * 2 * 2 * 512);
 
   const auto coarse = make_adaptive_sdf(model, 1e-3);
   const auto fine = make_adaptive_sdf(model, tolerance);
   CHECK(coarse->facts().resident_bytes < fine->facts().resident_bytes);
   CHECK(coarse->facts().resident_bytes % 4 == 0);
+
+  const Model ball = model_of(test::sphere(ball_radius, 5));
+  const auto rough = make_hp_sdf(ball, 10e-6), smooth = make_hp_sdf(ball, 1e-6);
+  CHECK(rough->facts().resident_bytes < smooth->facts().resident_bytes);
+  CHECK(rough->facts().file_bytes % 4 == 0);
 }
 
 }  // namespace methods_test

@@ -54,6 +54,7 @@ class Bench {
     for (const double tolerance : tolerances) {
       if (tolerance < min_adaptive) continue;
       add(model, places, "adaptive-sdf", [&] { return make_adaptive_sdf(model, tolerance); });
+      add(model, places, "hp-sdf", [&] { return make_hp_sdf(model, hp_share * tolerance); });
     }
     ++models_done_;
   }
@@ -125,9 +126,9 @@ class Bench {
 }  // namespace
 
 const std::vector<std::string>& method_names() {
-  static const std::vector<std::string> names{"raw-mesh", "spm",         "triangle-grid",
-                                              "embree",   "dense-sdf",   "openvdb",
-                                              "nanovdb",  "adaptive-sdf"};
+  static const std::vector<std::string> names{"raw-mesh", "spm",          "triangle-grid",
+                                              "embree",   "dense-sdf",    "openvdb",
+                                              "nanovdb",  "adaptive-sdf", "hp-sdf"};
   return names;
 }
 

@@ -176,6 +176,7 @@ class Race {
     }
     for (const double tolerance : plan_.adaptive_tolerances) {
       add("adaptive-sdf", [&] { return make_adaptive_sdf(model_, tolerance); });
+      add("hp-sdf", [&] { return make_hp_sdf(model_, hp_share * tolerance); });
     }
   }
 
@@ -252,8 +253,8 @@ class Race {
 
 const std::vector<std::string>& timed_method_names() {
   static const std::vector<std::string> names{
-      "spm",    "paper",   "triangle-grid", "embree",    "cgal-aabb",    "fcl",
-      "bullet", "openvdb", "nanovdb",       "dense-sdf", "adaptive-sdf", "mesh-proxy"};
+      "spm",     "paper",   "triangle-grid", "embree",       "cgal-aabb", "fcl",       "bullet",
+      "openvdb", "nanovdb", "dense-sdf",     "adaptive-sdf", "hp-sdf",    "mesh-proxy"};
   return names;
 }
 

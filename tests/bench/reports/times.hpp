@@ -15,7 +15,7 @@ namespace spm::bench {
 struct TimesPlan {
   std::vector<ModelSource> models;
   std::vector<double> tolerances;           ///< m: for `spm`, besides each model's own
-  std::vector<double> adaptive_tolerances;  ///< m: of `adaptive-sdf`
+  std::vector<double> adaptive_tolerances;  ///< m: of `adaptive-sdf` and `hp-sdf`
   std::vector<double> voxels;               ///< m: of `dense-sdf`, `openvdb` and `nanovdb`
   std::vector<NanoVoxel> nano_voxels;       ///< of `nanovdb`
   std::vector<double> grid_cells;           ///< m: of `triangle-grid`
