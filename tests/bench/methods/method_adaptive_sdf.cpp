@@ -4,6 +4,7 @@
 #include <array>
 #include <cmath>
 #include <cstdint>
+#include <optional>
 #include <vector>
 
 #include "baker/base/bake_error.hpp"
@@ -25,10 +26,9 @@ constexpr double smallest_leaf = 0.5;  // tolerances
 /// More leaves would be a gigabyte.
 constexpr std::size_t max_leaves = 30'000'000;
 
-enum class Verdict { far, deep, leaf, split };
-
 struct Look {
-  Verdict verdict = Verdict::far;
+  std::optional<std::uint32_t> marker;  ///< of a cube beyond the band
+  bool is_leaf = false;
   CubeCorners corners{};
 };
 
@@ -54,25 +54,19 @@ bool holds(const Model& model, double tolerance, const TreeCube& cube, const Cub
   return true;
 }
 
-Look look(const Model& model, double tolerance, const TreeCube& cube) {
+Look look(const Model& model, const CubeTree& tree, double tolerance, const TreeCube& cube) {
   Look result;
-  const double reach = cube.radius();
-  const double at_middle = model.caster.closest(cube.middle()).distance;
-  result.verdict = at_middle < 0 ? Verdict::deep : Verdict::far;
-  if (at_middle - reach > model.band.margin || at_middle + reach < -model.band.max_depth) {
-    return result;
-  }
-  result.verdict = Verdict::split;
-  if (cube.edge > largest_leaf) return result;
+  result.marker = tree.marker_of(cube, model.caster.closest(cube.middle()).distance);
+  if (result.marker || cube.edge > largest_leaf) return result;
   for (std::uint32_t i = 0; i < 8; ++i) {
     const Vector3 corner = cube.low + cube.edge * unit_corner(i);
     result.corners[i] = static_cast<float>(model.caster.closest(corner).distance);
   }
-  result.verdict = Verdict::leaf;
+  result.is_leaf = true;
   if (cube.edge <= smallest_leaf * tolerance) return result;
   // Like Frisken et al., test the middles of edges, faces and cube; then finer in large cubes.
-  for (int steps = 2; result.verdict == Verdict::leaf; steps *= 2) {
-    if (!holds(model, tolerance, cube, result.corners, steps)) result.verdict = Verdict::split;
+  for (int steps = 2; result.is_leaf; steps *= 2) {
+    result.is_leaf = holds(model, tolerance, cube, result.corners, steps);
     if (cube.edge <= steps * largest_step) break;
   }
   return result;
@@ -81,7 +75,7 @@ Look look(const Model& model, double tolerance, const TreeCube& cube) {
 class AdaptiveSdf : public Method {
  public:
   AdaptiveSdf(const Model& model, double tolerance)
-      : band_(model.band), tree_(model.mesh.box_min, model.mesh.box_max, model.band.margin) {
+      : tree_(model.mesh.box_min, model.mesh.box_max, model.band) {
     const Clock::time_point start = Clock::now();
     build(model, tolerance);
     tree_.fill_start(largest_leaf);
@@ -95,14 +89,12 @@ class AdaptiveSdf : public Method {
   }
 
   [[nodiscard]] Answer query(const Vector3& point) const noexcept override {
-    const CubeTree::Found found = tree_.find(point);
-    if (found.word == CubeTree::far_word) return far_answer();
-    if (found.word == CubeTree::deep_word) return deep_answer(band_.max_depth);
-    return trilinear(leaves_[found.word & ~CubeTree::leaf_bit], found.place);
+    return tree_.answer(point, [this](std::uint32_t leaf, const CubePlace& place) {
+      return trilinear(leaves_[leaf], place);
+    });
   }
 
  private:
-  Band band_;
   CubeTree tree_;
   std::vector<CubeCorners> leaves_;
 
@@ -112,7 +104,7 @@ class AdaptiveSdf : public Method {
     while (!level.empty()) {
       std::vector<Look> looks(level.size());
       tbb::parallel_for(std::size_t{0}, level.size(),
-                        [&](std::size_t i) { looks[i] = look(model, tolerance, level[i]); });
+                        [&](std::size_t i) { looks[i] = look(model, tree_, tolerance, level[i]); });
       std::vector<TreeCube> next;
       for (std::size_t i = 0; i < level.size(); ++i) enter(level[i], looks[i], next);
       if (leaves_.size() + next.size() > max_leaves) {
@@ -126,14 +118,14 @@ class AdaptiveSdf : public Method {
   }
 
   void enter(const TreeCube& cube, const Look& look, std::vector<TreeCube>& next) {
-    if (look.verdict == Verdict::split) {
-      const std::array<TreeCube, 8> octants = tree_.split(cube);
-      next.insert(next.end(), octants.begin(), octants.end());
-    } else if (look.verdict == Verdict::leaf) {
+    if (look.marker) {
+      tree_.set(cube, *look.marker);
+    } else if (look.is_leaf) {
       tree_.set(cube, static_cast<std::uint32_t>(leaves_.size()) | CubeTree::leaf_bit);
       leaves_.push_back(look.corners);
     } else {
-      tree_.set(cube, look.verdict == Verdict::deep ? CubeTree::deep_word : CubeTree::far_word);
+      const std::array<TreeCube, 8> octants = tree_.split(cube);
+      next.insert(next.end(), octants.begin(), octants.end());
     }
   }
 };

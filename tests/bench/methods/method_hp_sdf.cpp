@@ -3,9 +3,10 @@
 
 #include <algorithm>
 #include <array>
+#include <boost/math/special_functions/legendre.hpp>
 #include <cmath>
 #include <cstdint>
-#include <queue>
+#include <iterator>
 #include <utility>
 #include <vector>
 
@@ -20,6 +21,7 @@ namespace {
 /// Cubes are at most so large to begin with, m.
 constexpr double largest_leaf = 0.016;
 constexpr int first_degree = 2, most_degree = 8;
+constexpr std::size_t degrees = most_degree - first_degree + 1;
 /// Smaller cubes than this share of the largest are not made.
 constexpr double smallest_share = 1.0 / 256;
 /// So many of the worst cubes are refined at once, for the sake of several processors.
@@ -98,58 +100,74 @@ Answer evaluate(const float* terms, const CubePlace& place) noexcept {
   return answer;
 }
 
+/// Those of all degrees, from the first on: a loop of known length takes half of the time.
+constexpr auto evaluators = []<std::size_t... above>(std::index_sequence<above...>) {
+  return std::array{&evaluate<first_degree + static_cast<int>(above)>...};
+}
+(std::make_index_sequence<degrees>());
+
 constexpr std::size_t terms_of(int degree) {
   const auto p = static_cast<std::size_t>(degree);
   return (p + 1) * (p + 2) * (p + 3) / 6;
 }
 
-/// Nodes and weights of Gauss's quadrature on [0, 1].
-std::vector<std::pair<double, double>> gauss_nodes(int count) {
-  std::vector<std::pair<double, double>> nodes;
-  for (int k = 0; k < count; ++k) {
-    double x = std::cos(3.141592653589793 * (k + 0.75) / (count + 0.5)), slope = 1;
-    for (int step = 0; step < 50; ++step) {
-      double before = 1, now = x;
-      for (int n = 1; n < count; ++n) {
-        before = std::exchange(now, ((2 * n + 1) * x * now - n * before) / (n + 1));
-      }
-      slope = count * (x * now - before) / (x * x - 1);
-      const double off = now / slope;
-      x -= off;
-      if (std::abs(off) < 1e-15) break;
+/// Gauss's quadrature on [0, 1], and the polynomials up to a degree at its nodes.
+struct Quadrature {
+  struct Node {
+    double place, weight;
+    Legendre<double> values;
+  };
+  std::vector<Node> nodes;
+
+  explicit Quadrature(int degree) {
+    const int count = degree + 2;
+    const auto add = [&](double x) {
+      const double slope = boost::math::legendre_p_prime(count, x), place = (1 + x) / 2;
+      nodes.push_back({place, 1 / ((1 - x * x) * slope * slope), {place, degree}});
+    };
+    // Those that are not negative.
+    for (const double zero : boost::math::legendre_p_zeros<double>(count)) {
+      add(zero);
+      if (zero > 0) add(-zero);
     }
-    nodes.emplace_back((1 + x) / 2, 1 / ((1 - x * x) * slope * slope));
   }
-  return nodes;
+};
+
+/// That of a degree; each is made once.
+const Quadrature& quadrature(int degree) {
+  static const std::vector<Quadrature> all = [] {
+    std::vector<Quadrature> made;
+    made.reserve(degrees);
+    for (int each = first_degree; each <= most_degree; ++each) made.emplace_back(each);
+    return made;
+  }();
+  return all[static_cast<std::size_t>(degree - first_degree)];
 }
 
 /// A polynomial over a cube: the terms of total degree up to `degree`, z fastest.
 struct Fit {
   int degree = 0;
   std::vector<double> terms;
-  double error =
-      0;  ///< their estimate: the root of the mean square of the terms of the last degree
+  /// Their estimate: the root of the mean square of the terms of the last degree.
+  double error = 0;
 };
 
 Fit fit(const Model& model, const TreeCube& cube, int degree) {
   Fit found{degree, std::vector<double>(terms_of(degree), 0.0)};
-  const auto nodes = gauss_nodes(degree + 2);
-  std::vector<Legendre<double>> values;
-  values.reserve(nodes.size());
-  for (const auto& [place, weight] : nodes) values.emplace_back(place, degree);
-  for (std::size_t a = 0; a < nodes.size(); ++a) {
-    for (std::size_t b = 0; b < nodes.size(); ++b) {
-      for (std::size_t c = 0; c < nodes.size(); ++c) {
-        const Vector3 place(nodes[a].first, nodes[b].first, nodes[c].first);
-        const double weighed = nodes[a].second * nodes[b].second * nodes[c].second *
+  const std::vector<Quadrature::Node>& nodes = quadrature(degree).nodes;
+  for (const Quadrature::Node& a : nodes) {
+    for (const Quadrature::Node& b : nodes) {
+      for (const Quadrature::Node& c : nodes) {
+        const Vector3 place(a.place, b.place, c.place);
+        const double weighed = a.weight * b.weight * c.weight *
                                model.caster.closest(cube.low + cube.edge * place).distance;
         std::size_t term = 0;
         for (int i = 0; i <= degree; ++i) {
           for (int j = 0; i + j <= degree; ++j) {
-            const double both = weighed * values[a].value[static_cast<std::size_t>(i)] *
-                                values[b].value[static_cast<std::size_t>(j)];
+            const double both = weighed * a.values.value[static_cast<std::size_t>(i)] *
+                                b.values.value[static_cast<std::size_t>(j)];
             for (int k = 0; i + j + k <= degree; ++k) {
-              found.terms[term++] += both * values[c].value[static_cast<std::size_t>(k)];
+              found.terms[term++] += both * c.values.value[static_cast<std::size_t>(k)];
             }
           }
         }
@@ -186,7 +204,7 @@ struct Refined {
 class HpSdf : public Method {
  public:
   HpSdf(const Model& model, double rms)
-      : band_(model.band), tree_(model.mesh.box_min, model.mesh.box_max, model.band.margin) {
+      : band_(model.band), tree_(model.mesh.box_min, model.mesh.box_max, model.band) {
     const Clock::time_point start = Clock::now();
     build(model, rms);
     tree_.fill_start(largest_leaf);
@@ -200,13 +218,14 @@ class HpSdf : public Method {
   }
 
   [[nodiscard]] Answer query(const Vector3& point) const noexcept override {
-    const CubeTree::Found found = tree_.find(point);
-    if (found.word == CubeTree::far_word) return far_answer();
-    if (found.word == CubeTree::deep_word) return deep_answer(band_.max_depth);
-    const Answer answer = polynomial(terms_.data() + (found.word & ~CubeTree::leaf_bit), found);
-    // A cube reaches beyond the band.
-    if (answer.distance > band_.margin) return far_answer();
-    return answer.distance < -band_.max_depth ? deep_answer(band_.max_depth) : answer;
+    return tree_.answer(point, [this](std::uint32_t leaf, const CubePlace& place) {
+      const float* stored = terms_.data() + leaf;
+      const auto degree = static_cast<std::size_t>(*stored);
+      const Answer answer = evaluators[degree - first_degree](stored + 1, place);
+      // A cube reaches beyond the band.
+      if (answer.distance > band_.margin) return far_answer();
+      return answer.distance < -band_.max_depth ? deep_answer(band_.max_depth) : answer;
+    });
   }
 
  private:
@@ -214,33 +233,11 @@ class HpSdf : public Method {
   CubeTree tree_;
   std::vector<float> terms_;  ///< of each leaf its degree, then the terms
 
-  [[nodiscard]] static Answer polynomial(const float* leaf, const CubeTree::Found& found) noexcept {
-    // A loop of known length takes half of the time.
-    switch (static_cast<int>(*leaf)) {
-      case 2:
-        return evaluate<2>(leaf + 1, found.place);
-      case 3:
-        return evaluate<3>(leaf + 1, found.place);
-      case 4:
-        return evaluate<4>(leaf + 1, found.place);
-      case 5:
-        return evaluate<5>(leaf + 1, found.place);
-      case 6:
-        return evaluate<6>(leaf + 1, found.place);
-      case 7:
-        return evaluate<7>(leaf + 1, found.place);
-      default:
-        return evaluate<8>(leaf + 1, found.place);
-    }
-  }
-
-  /// Far and deep cubes are told in the tree; returns whether it is one.
-  bool is_beyond(const Model& model, const TreeCube& cube) {
-    const double distance = model.caster.closest(cube.middle()).distance;
-    const bool far = distance - cube.radius() > band_.margin;
-    const bool deep = distance + cube.radius() < -band_.max_depth;
-    if (deep) tree_.set(cube, CubeTree::deep_word);
-    return far || deep;
+  /// Tells in the tree where a cube lies wholly beyond the band; returns whether it does.
+  bool mark_beyond(const Model& model, const TreeCube& cube) {
+    const auto marker = tree_.marker_of(cube, model.caster.closest(cube.middle()).distance);
+    if (marker) tree_.set(cube, *marker);
+    return marker.has_value();
   }
 
   /// The first grid's cubes that the band passes.
@@ -249,7 +246,7 @@ class HpSdf : public Method {
     while (!level.empty()) {
       std::vector<TreeCube> next;
       for (const TreeCube& cube : level) {
-        if (is_beyond(model, cube)) continue;
+        if (mark_beyond(model, cube)) continue;
         if (cube.edge <= largest_leaf) {
           kept.push_back(cube);
           continue;
@@ -278,8 +275,7 @@ class HpSdf : public Method {
       split.is_split = true;
       double square = 0;
       for (std::uint32_t octant = 0; octant < 8; ++octant) {
-        const Vector3 at(octant & 1U, octant >> 1U & 1U, octant >> 2U);
-        const TreeCube part{cell.cube.low + cell.cube.edge / 2 * at, cell.cube.edge / 2, 0};
+        const TreeCube part = cell.cube.octant(octant);
         split.cells.push_back({part, fit(model, part, cell.fit.degree)});
         square += split.cells.back().square();
       }
@@ -298,24 +294,26 @@ class HpSdf : public Method {
     tbb::parallel_for(std::size_t{0}, first.size(), [&](std::size_t i) {
       cells[i] = {first[i], fit(model, first[i], first_degree)};
     });
-    const auto better = [](const Cell& a, const Cell& b) {
+    const auto less_off = [](const Cell& a, const Cell& b) {
       return a.square() != b.square() ? a.square() < b.square() : a.cube.word < b.cube.word;
     };
-    std::priority_queue<Cell, std::vector<Cell>, decltype(better)> queue(better);
+    std::vector<Cell> heap;
     double squares = 0, volume = 0;
     std::size_t floats = 0;
     const auto add = [&](Cell cell) {
       squares += cell.square();
       volume += cell.volume();
       floats += 1 + cell.fit.terms.size();
-      queue.push(std::move(cell));
+      heap.push_back(std::move(cell));
+      std::push_heap(heap.begin(), heap.end(), less_off);
     };
     for (Cell& cell : cells) add(std::move(cell));
-    while (!queue.empty() && squares > rms * rms * volume) {
+    while (!heap.empty() && squares > rms * rms * volume) {
       cells.clear();
-      for (std::size_t i = 0; i < batch && !queue.empty(); ++i) {
-        cells.push_back(queue.top());
-        queue.pop();
+      for (std::size_t i = 0; i < batch && !heap.empty(); ++i) {
+        std::pop_heap(heap.begin(), heap.end(), less_off);
+        cells.push_back(std::move(heap.back()));
+        heap.pop_back();
       }
       std::vector<Refined> refined(cells.size());
       tbb::parallel_for(std::size_t{0}, cells.size(),
@@ -335,7 +333,7 @@ class HpSdf : public Method {
         const std::array<TreeCube, 8> octants = tree_.split(cells[i].cube);
         for (std::size_t octant = 0; octant < 8; ++octant) {
           refined[i].cells[octant].cube = octants[octant];
-          if (!is_beyond(model, octants[octant])) add(std::move(refined[i].cells[octant]));
+          if (!mark_beyond(model, octants[octant])) add(std::move(refined[i].cells[octant]));
         }
       }
       if (floats > max_floats) {
@@ -344,7 +342,7 @@ class HpSdf : public Method {
                                                             " would hold more than a gigabyte");
       }
     }
-    for (; !queue.empty(); queue.pop()) done.push_back(queue.top());
+    std::move(heap.begin(), heap.end(), std::back_inserter(done));
     std::sort(done.begin(), done.end(),
               [](const Cell& a, const Cell& b) { return a.cube.word < b.cube.word; });
     for (const Cell& cell : done) {
