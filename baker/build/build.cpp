@@ -63,7 +63,7 @@ Json spm_json(const BakeResult& baked) {
   return {{"form", asset.metadata.form == AssetForm::full ? "full" : "sparse"},
           {"kind", asset.metadata.kind},
           {"planes", asset.planes.size()},
-          {"tiles", asset.maps.size() + asset.tiles.size()},
+          {"tiles", asset.maps.size() + asset.atlas.charts.size()},
           {"samples", baked.report.samples},
           {"layers_max", asset.metadata.layers_max},
           {"cells", baked.report.record_cells}};
@@ -286,6 +286,13 @@ Json to_json(const BuildRequest& request, const Mesh& mesh, const BakeResult& ba
   json["fallback"] = {{"cells", share(baked.report.fallback_cells, baked.report.record_cells)},
                       {"answers", check.fallback_answers},
                       {"bytes", share(written.bytes.triangles, written.bytes.total)}};
+  if (metadata.form == AssetForm::sparse) {
+    const AnswerShares& answers = baked.report.answers;
+    json["answers"] = {{"one_map", answers.one_map},
+                       {"two_maps", answers.two_maps},
+                       {"polynomials", answers.polynomials},
+                       {"triangles", answers.triangles}};
+  }
   json["bytes"] = written.bytes.total;
   json["content_sha256"] = written.sha256;
   json["tolerance_um"] = metadata.tolerance ? Json(*metadata.tolerance * 1e6) : Json();
@@ -453,11 +460,20 @@ std::string describe(const BuildReport& report) {
   }
   const Json& fallback = json["fallback"];
   text += fmt::format(
-      "\nfallback {:.1f} % of the cells hold exact triangles, for places that no map answers\n",
+      "\nfallback {:.1f} % of the cells hold exact triangles, for places that no map answers",
       100 * fallback["cells"].get<double>());
+  if (json.contains("answers")) {
+    const auto percent = [&json](const char* what) {
+      return 100 * json["answers"][what].get<double>();
+    };
+    text += fmt::format(
+        "\nanswers  {:.1f} % of the volume by one distance map, {:.1f} % by two, {:.1f} % by "
+        "polynomials, {:.1f} % by triangles",
+        percent("one_map"), percent("two_maps"), percent("polynomials"), percent("triangles"));
+  }
   const Json& seconds = json["seconds"];
   text += fmt::format(
-      "seconds  {:.2f}: load {:.2f}, fit {:.2f}, cast {:.2f}, verify {:.2f}, write {:.2f}\n",
+      "\nseconds  {:.2f}: load {:.2f}, fit {:.2f}, cast {:.2f}, verify {:.2f}, write {:.2f}\n",
       seconds["total"].get<double>(), seconds["load"].get<double>(), seconds["fit"].get<double>(),
       seconds["cast"].get<double>(), seconds["verify"].get<double>(),
       seconds["write"].get<double>());

@@ -103,7 +103,7 @@ Json parts_json(const MappedAsset& asset) {
 }
 
 std::uint64_t samples_of(const AssetView& view) {
-  std::uint64_t samples = std::uint64_t{tile_sample_count} * view.tiles.size();
+  std::uint64_t samples = view.atlas.size() + std::uint64_t{tile_sample_count} * view.tiles.size();
   for (const DistanceMap& map : view.maps) {
     samples += std::uint64_t{map.columns} * map.rows * map.layers;
   }
@@ -122,20 +122,54 @@ std::uint64_t band_cells(const AssetView& view) {
   return cells;
 }
 
-/// The cubes of the octree and the triangles that answers come from.
-Json octree_json(const AssetView& view) {
-  std::uint64_t polynomials = 0, pairs = 0, lists = 0;
-  visit_leaves(view.octree, [&](const Leaf& leaf) {
-    polynomials += leaf.kind == OctreeKind::polynomial ? 1U : 0U;
-    pairs += leaf.kind == OctreeKind::least || leaf.kind == OctreeKind::most ? 1U : 0U;
-    lists += leaf.kind == OctreeKind::list ? 1U : 0U;
+/// The leaves of an octree that answer: how many there are of each kind, and their volume, m^3.
+struct LeafKinds {
+  struct Kind {
+    std::uint64_t count = 0;
+    double volume = 0;
+    void add(const Leaf& leaf) {
+      ++count;
+      volume += 8 * leaf.half * leaf.half * leaf.half;
+    }
+  };
+  Kind maps, map_pairs, polynomials, pairs, lists;
+};
+
+LeafKinds kinds_of(const DistanceOctree& octree) {
+  LeafKinds kinds;
+  visit_leaves(octree, [&](const Leaf& leaf) {
+    const std::uint32_t* words = units_at(octree, leaf);
+    if (leaf.kind == OctreeKind::map && words != nullptr) {
+      (words[1] == 0 ? kinds.maps : kinds.map_pairs).add(leaf);
+    }
+    if (leaf.kind == OctreeKind::polynomial) kinds.polynomials.add(leaf);
+    if (leaf.kind == OctreeKind::least || leaf.kind == OctreeKind::most) kinds.pairs.add(leaf);
+    if (leaf.kind == OctreeKind::list) kinds.lists.add(leaf);
   });
+  return kinds;
+}
+
+/// Shares of the volume by what answers there.
+Json answers_json(const LeafKinds& kinds) {
+  const double polynomials = kinds.polynomials.volume + kinds.pairs.volume;
+  const double all = kinds.maps.volume + kinds.map_pairs.volume + polynomials + kinds.lists.volume;
+  const auto share = [all](double volume) { return all > 0 ? volume / all : 0; };
+  return {{"one_map", share(kinds.maps.volume)},
+          {"two_maps", share(kinds.map_pairs.volume)},
+          {"polynomials", share(polynomials)},
+          {"triangles", share(kinds.lists.volume)}};
+}
+
+/// The cubes of the octree and the triangles that answers come from.
+Json octree_json(const AssetView& view, const LeafKinds& kinds) {
   return {{"origin_m", vector_json(view.octree.origin)},
           {"root_edge_m", view.octree.edge},
           {"roots", view.octree.roots},
-          {"polynomials", polynomials},
-          {"pairs_of_polynomials", pairs},
-          {"lists", lists},
+          {"maps", kinds.maps.count},
+          {"pairs_of_maps", kinds.map_pairs.count},
+          {"polynomials", kinds.polynomials.count},
+          {"pairs_of_polynomials", kinds.pairs.count},
+          {"lists", kinds.lists.count},
           {"triangles", view.exact.size()}};
 }
 
@@ -153,7 +187,7 @@ nlohmann::ordered_json to_json(const MappedAsset& asset, const std::vector<std::
   json["spm"] = {{"form", metadata.form == AssetForm::full ? "full" : "sparse"},
                  {"kind", metadata.kind},
                  {"planes", view.planes.size()},
-                 {"tiles", view.maps.size() + view.tiles.size()},
+                 {"tiles", view.maps.size() + view.charts.size()},
                  {"samples", samples_of(view)},
                  {"layers_max", metadata.layers_max},
                  {"cells", band_cells(view)}};
@@ -177,7 +211,9 @@ nlohmann::ordered_json to_json(const MappedAsset& asset, const std::vector<std::
                     {"cell_m", view.grid.cell_size},
                     {"cells", view.grid.cells}};
   } else {
-    json["octree"] = octree_json(view);
+    const LeafKinds kinds = kinds_of(view.octree);
+    json["octree"] = octree_json(view, kinds);
+    json["answers"] = answers_json(kinds);
   }
   json["fallback"] = {
       {"cells", metadata.fallback_cells},
@@ -227,8 +263,15 @@ std::string describe(const MappedAsset& asset, const std::vector<std::string>& p
                                  bytes.total, asset_format_version);
   text += fmt::format("form      {}: {} {}-based support planes, {} {}, {} samples\n",
                       view.full ? "full" : "sparse", view.planes.size(), metadata.kind,
-                      view.maps.size() + view.tiles.size(),
-                      view.full ? "distance maps" : "tiles of distance maps", samples_of(view));
+                      view.maps.size() + view.charts.size(), "distance maps", samples_of(view));
+  if (!view.full) {
+    const Json answers = answers_json(kinds_of(view.octree));
+    const auto percent = [&answers](const char* what) { return 100 * answers[what].get<double>(); };
+    text += fmt::format(
+        "answers   {:.1f} % of the volume by one distance map, {:.1f} % by two, {:.1f} % by "
+        "polynomials, {:.1f} % by triangles\n",
+        percent("one_map"), percent("two_maps"), percent("polynomials"), percent("triangles"));
+  }
   text += fmt::format("layers    up to {} crossings along a ray\n", metadata.layers_max);
   text += fmt::format(
       "band      {} inside, {} outside, probe {}\n", length(view.band.max_depth),

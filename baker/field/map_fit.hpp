@@ -6,19 +6,12 @@
 #include <span>
 #include <vector>
 
-#include "baker/field/cube_candidates.hpp"
+#include "baker/field/cube_samples.hpp"
 #include "common/asset/asset_view.hpp"
 #include "common/field/distance_octree.hpp"
 #include "common/field/local_map.hpp"
 
 namespace spm::baker {
-
-/// A place of a cube, its signed distance (m) and the gradient of that.
-struct CubeSample {
-  Vector3 place = Vector3::Zero();  ///< from the middle, in halves of the edge
-  double distance = 0;
-  Vector3 gradient = Vector3::Zero();
-};
 
 /// What a fit is asked for.
 struct FitRules {
@@ -35,12 +28,6 @@ struct FittedMaps {
   std::vector<PackedLocalMap> packed;
   std::vector<LocalMap> maps;
 };
-
-/// Samples of the signed distance over a cube, from its candidates. `inside` is the side of the
-/// whole cube; where it is empty the surface passes, and each sample finds its own.
-[[nodiscard]] std::vector<CubeSample> sample_cube(const LatticeSurface& surface,
-                                                  const Candidates& candidates, const Cube& cube,
-                                                  std::optional<bool> inside);
 
 /// The least-squares fit of one polynomial, or else of two that are told apart by their directions.
 /// Empty where the samples are not met. Proves nothing.

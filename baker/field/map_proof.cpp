@@ -21,25 +21,6 @@ constexpr double rounding = 1e-12;
 constexpr double min_cone_cosine = 0.2;
 constexpr std::size_t upper_witnesses = 4;
 
-/// A local map along the cube's axes: value (m), gradient and second derivatives at a place.
-struct Quadratic {
-  Vector3 middle = Vector3::Zero();
-  double value = 0;
-  Vector3 gradient = Vector3::Zero();
-  Eigen::Matrix3d bend = Eigen::Matrix3d::Zero();  ///< value + gradient d + d' bend d
-
-  [[nodiscard]] double at(const Vector3& point) const {
-    const Vector3 d = point - middle;
-    return value + d.dot(gradient + bend * d);
-  }
-  [[nodiscard]] Quadratic about(const Vector3& point) const {
-    return {point, at(point), gradient + 2 * (bend * (point - middle)), bend};
-  }
-  [[nodiscard]] Quadratic times(double sign) const {
-    return {middle, sign * value, sign * gradient, sign * bend};
-  }
-};
-
 /// At the corners of the cube of that half edge around the quadratic's own middle.
 CornerValues at_corners(const Quadratic& map, double half) {
   const Eigen::Matrix3d& bend = map.bend;
@@ -63,7 +44,19 @@ Quadratic along_axes(const LocalMap& map, const SupportPlane& plane, const Cube&
           turn.transpose() * bend * turn / cube.half};
 }
 
-/// Bounds of local map less distance over a cube; m.
+/// A polynomial over a cube.
+class PolynomialField : public BoundedField {
+ public:
+  explicit PolynomialField(const Quadratic& known) : known_(known) {}
+  [[nodiscard]] FieldBound about(const Vector3& middle, double /*half*/) const override {
+    return {known_.about(middle), 0};
+  }
+
+ private:
+  Quadratic known_;
+};
+
+/// Bounds of what a field tells less the distance over a cube; m.
 struct Interval {
   double low = -std::numeric_limits<double>::infinity();
   double high = std::numeric_limits<double>::infinity();
@@ -71,6 +64,7 @@ struct Interval {
     low = std::max(low, other.low);
     high = std::min(high, other.high);
   }
+  [[nodiscard]] Interval wider(double off) const { return {low - off, high + off}; }
 };
 
 /// Of a cube: the maps are within the tolerance in all of it; or they are not at a place; or that
@@ -80,12 +74,8 @@ enum class Verdict { holds, refuted, open };
 class Proof {
  public:
   Proof(const LatticeSurface& surface, const Band& band, double tolerance, OctreeKind kind,
-        std::vector<Quadratic> maps)
-      : surface_(surface),
-        band_(band),
-        tolerance_(tolerance),
-        kind_(kind),
-        maps_(std::move(maps)) {}
+        std::span<const BoundedField* const> fields)
+      : surface_(surface), band_(band), tolerance_(tolerance), kind_(kind), fields_(fields) {}
 
   bool holds(const Candidates& candidates, const Cube& cube, std::optional<bool> inside,
              int divisions) {
@@ -114,21 +104,21 @@ class Proof {
   Band band_;
   double tolerance_;
   OctreeKind kind_;
-  std::vector<Quadratic> maps_;
+  std::span<const BoundedField* const> fields_;  ///< one or two
   int cubes_ = 0;
 
   Verdict judge(const Candidates& candidates, const Cube& cube, std::optional<bool> inside) const {
     const double distance = candidates.only_kind().distance() - felt_nearer(surface_, candidates);
     const bool side = inside ? *inside : is_middle_inside(surface_, candidates, cube);
     const double truth = side ? -distance : distance;
-    std::array<Quadratic, 2> maps;
+    std::array<FieldBound, 2> maps;
     std::array<Interval, 2> off;
-    for (std::size_t k = 0; k < maps_.size(); ++k) {
-      maps[k] = maps_[k].about(cube.middle);
+    for (std::size_t k = 0; k < fields_.size(); ++k) {
+      maps[k] = fields_[k]->about(cube.middle, cube.half);
     }
-    if (is_off(of_both(maps[0].value, maps[1].value), truth)) return Verdict::refuted;
-    for (std::size_t k = 0; k < maps_.size(); ++k) {
-      off[k].meet(by_directions(candidates, cube, maps[k], truth));
+    if (is_off(of_both(maps[0].near.value, maps[1].near.value), truth)) return Verdict::refuted;
+    for (std::size_t k = 0; k < fields_.size(); ++k) {
+      off[k].meet(by_directions(candidates, cube, maps[k].near, truth).wider(maps[k].off));
     }
     Interval whole{of_both(off[0].low, off[1].low), of_both(off[0].high, off[1].high)};
     if (within_tolerance(whole)) return Verdict::holds;
@@ -163,7 +153,7 @@ class Proof {
   /// What the maps make of their two values, or where they are `turned` of the negative values; of
   /// the first alone where there is one map.
   [[nodiscard]] double of_both(double first, double second, bool turned = false) const {
-    if (maps_.size() == 1) return first;
+    if (fields_.size() == 1) return first;
     return (kind_ == OctreeKind::least) == turned ? std::max(first, second)
                                                   : std::min(first, second);
   }
@@ -212,17 +202,17 @@ class Proof {
   /// what its values at the corners give in between. Where the lesser of two maps answers, either
   /// of them may keep below a candidate, another one below the next.
   Interval by_convexity(const Candidates& candidates, const Cube& cube,
-                        const std::array<Quadratic, 2>& signed_maps, bool inside) const {
+                        const std::array<FieldBound, 2>& signed_maps, bool inside) const {
     std::array<Quadratic, 2> maps;
     std::array<double, 2> low{}, rise{}, over{};
-    for (std::size_t k = 0; k < maps_.size(); ++k) {
-      maps[k] = signed_maps[k].times(inside ? -1 : 1);
-      low[k] = least_over(candidates, cube, maps[k]);
-      rise[k] = most_rise(maps[k], cube.half);
+    for (std::size_t k = 0; k < fields_.size(); ++k) {
+      maps[k] = signed_maps[k].near.times(inside ? -1 : 1);
+      low[k] = least_over(candidates, cube, maps[k]) - signed_maps[k].off;
+      rise[k] = most_rise(maps[k], cube.half) + signed_maps[k].off;
     }
     double high = -std::numeric_limits<double>::infinity();
     for (const Candidate& candidate : candidates.only_kind().triangles) {
-      for (std::size_t k = 0; k < maps_.size(); ++k) {
+      for (std::size_t k = 0; k < fields_.size(); ++k) {
         over[k] = maps[k].value - (candidate.distance - felt_nearer(surface_, candidates)) +
                   rise[k] + cube.half * (maps[k].gradient - candidate.tangent).lpNorm<1>();
       }
@@ -266,15 +256,22 @@ class Proof {
 
 }  // namespace
 
+bool prove_fields(const LatticeSurface& surface, const Candidates& candidates, const Cube& cube,
+                  std::optional<bool> inside, OctreeKind kind,
+                  std::span<const BoundedField* const> fields, const Band& band, double tolerance) {
+  return Proof(surface, band, tolerance, kind, fields).holds(candidates, cube, inside, 0);
+}
+
 bool prove_maps(const LatticeSurface& surface, const Candidates& candidates, const Cube& cube,
                 std::optional<bool> inside, const FittedMaps& fitted,
                 std::span<const SupportPlane> planes, const Band& band, double tolerance) {
-  std::vector<Quadratic> maps;
+  std::vector<PolynomialField> maps;
   for (const LocalMap& map : fitted.maps) {
-    maps.push_back(along_axes(map, planes[map.plane], cube));
+    maps.emplace_back(along_axes(map, planes[map.plane], cube));
   }
-  return Proof(surface, band, tolerance, fitted.kind, std::move(maps))
-      .holds(candidates, cube, inside, 0);
+  const std::array<const BoundedField*, 2> fields{&maps.front(), &maps.back()};
+  return prove_fields(surface, candidates, cube, inside, fitted.kind,
+                      std::span(fields).first(maps.size()), band, tolerance);
 }
 
 }  // namespace spm::baker

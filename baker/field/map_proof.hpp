@@ -4,6 +4,7 @@
 #include <optional>
 #include <span>
 
+#include "baker/charts/bounded_field.hpp"
 #include "baker/field/cube_candidates.hpp"
 #include "baker/field/map_fit.hpp"
 #include "common/asset/asset_view.hpp"
@@ -14,11 +15,18 @@ namespace spm::baker {
 /// With nine tenths more maps would be rejected, and a file be 4 % longer; with this, 0.2 %.
 inline constexpr double beyond_share = 0.75;
 
-/// Proves that local maps are off by at most `tolerance` (m) at every place of a cube that is in
-/// the band, and that beyond the band they tell so, within the tolerance; and that the surface is
-/// as far beyond the margin as beyond_share promises, within the tolerance. By bounds over cubes
-/// that are divided further and further; by no sample. `inside` is the side of the whole cube,
-/// empty where the surface passes. False where it is not so, or where so many cubes do not suffice.
+/// Proves that a field, or the smaller (`least`) or larger (`most`) of two, is off by at most
+/// `tolerance` (m) at every place of a cube that is in the band, and that beyond the band they tell
+/// so, within the tolerance; and that the surface is as far beyond the margin as beyond_share
+/// promises, within the tolerance. By bounds over cubes that are divided further and further; by no
+/// sample. `inside` is the side of the whole cube, empty where the surface passes. False where it
+/// is not so, or where so many cubes do not suffice.
+[[nodiscard]] bool prove_fields(const LatticeSurface& surface, const Candidates& candidates,
+                                const Cube& cube, std::optional<bool> inside, OctreeKind kind,
+                                std::span<const BoundedField* const> fields, const Band& band,
+                                double tolerance);
+
+/// The same of polynomials.
 [[nodiscard]] bool prove_maps(const LatticeSurface& surface, const Candidates& candidates,
                               const Cube& cube, std::optional<bool> inside,
                               const FittedMaps& fitted, std::span<const SupportPlane> planes,

@@ -14,6 +14,8 @@
 
 #include "baker/base/bake_error.hpp"
 #include "baker/base/progress_counter.hpp"
+#include "baker/charts/chart_field.hpp"
+#include "baker/field/chart_fit.hpp"
 #include "baker/field/cube_side.hpp"
 #include "baker/field/map_fit.hpp"
 #include "baker/field/map_proof.hpp"
@@ -28,10 +30,13 @@ namespace spm::baker {
 namespace {
 
 /// Share of the tolerance by which samples may be off; the rest is for places between them.
-constexpr double fit_share = 0.9;
+constexpr double fit_share = 0.9, chart_share = 0.9;
+/// Maps may take so many times the bytes of a polynomial before it is taken in their place.
+constexpr double polynomial_worth = 3, polynomial_bytes = 16;
+constexpr double sample_bytes = 4;  ///< of a map
 /// The octree may take so many times the fewest bytes that it could, where that makes it faster;
 /// and so many bytes in any case.
-constexpr double spent_bytes = 2, least_bytes = 8192;
+constexpr double spent_bytes = 1.4, least_bytes = 8192;
 /// Cubes are divided until the octree has so many times the bytes that it may keep.
 constexpr double tried_bytes = 4;
 /// Around cubes beyond the band only so many triangles are looked at whether they are few.
@@ -40,14 +45,15 @@ constexpr std::size_t worth_a_look = 64;
 class Builder {
  public:
   Builder(const Caster& caster, const LatticeSurface& surface, std::span<const SupportPlane> planes,
-          const Reachability* reachability, const OctreeRules& rules, const OctreeData& data,
-          ProvenMaps& proven)
+          const ChartHeights& heights, const Reachability* reachability, const OctreeRules& rules,
+          const OctreeData& data, ProvenMaps& proven)
       : caster_(caster),
         surface_(surface),
         reachability_(reachability),
         rules_(rules),
         proven_(proven) {
     rules_.tolerance -= surface.displacement;
+    charts_ = {&heights, rules.band, chart_share * rules_.tolerance, rules.direction};
     fit_ = {planes, rules.band, data.value_unit, fit_share * rules_.tolerance, rules.direction};
   }
 
@@ -90,7 +96,10 @@ class Builder {
   const Reachability* reachability_;
   OctreeRules rules_;
   FitRules fit_;
+  ChartRules charts_;
   ProvenMaps& proven_;
+
+  using Samples = std::optional<std::vector<CubeSample>>;
 
   /// Below the roots that were not joined; negative of joined ones.
   [[nodiscard]] int level_of(const Cube& cube) const {
@@ -145,7 +154,8 @@ class Builder {
   /// Finds what answers in a cube of the band, whose few triangles are kept.
   void answer(OctreeNode& node, const Candidates& candidates, std::optional<bool> inside,
               int level) const {
-    if (fits(node, candidates, inside)) return;
+    Samples samples;
+    if (fits(node, candidates, inside, level == rules_.levels || node.few, samples)) return;
     if (level == rules_.levels || node.few) {
       Candidates least = nearest_in_parts(surface_, candidates, node.cube, 1);
       // Another packet takes as long as a first one.
@@ -157,6 +167,11 @@ class Builder {
       return;
     }
     divide_in_octants(node, candidates, inside, level);
+    // Maps may take many small cubes where a polynomial takes a large one.
+    if (bytes_as_divided(node) > polynomial_worth * polynomial_bytes &&
+        fits_polynomials(node, candidates, inside, samples)) {
+      node.octants.reset();
+    }
   }
 
   void divide_in_octants(OctreeNode& node, const Candidates& candidates, std::optional<bool> inside,
@@ -187,20 +202,52 @@ class Builder {
     node.few = std::move(few);
   }
 
-  /// Whether one polynomial, or two, answer within the tolerance everywhere in the cube.
-  bool fits(OctreeNode& node, const Candidates& candidates, std::optional<bool> inside) const {
+  /// Whether maps, or else polynomials, answer within the tolerance everywhere in the cube. Where
+  /// smaller cubes are still to come, maps alone.
+  bool fits(OctreeNode& node, const Candidates& candidates, std::optional<bool> inside,
+            bool smallest, Samples& samples) const {
     if (candidates.mixed()) return false;
-    const std::optional<CubeMaps>& maps =
-        proven_.of(node.cube, [&] { return maps_of(candidates, node.cube, inside); });
+    return take(node, proven_.maps_of(node.cube,
+                                      [&] {
+                                        return charts_of(
+                                            candidates,
+                                            samples_of(node, candidates, inside, samples),
+                                            node.cube, inside);
+                                      })) ||
+           (smallest && fits_polynomials(node, candidates, inside, samples));
+  }
+
+  bool fits_polynomials(OctreeNode& node, const Candidates& candidates, std::optional<bool> inside,
+                        Samples& samples) const {
+    if (candidates.mixed()) return false;
+    return take(node, proven_.polynomials_of(node.cube, [&] {
+      return polynomials_of(candidates, samples_of(node, candidates, inside, samples), node.cube,
+                            inside);
+    }));
+  }
+
+  /// Samples of a cube, made where they are first asked for.
+  const std::vector<CubeSample>& samples_of(const OctreeNode& node, const Candidates& candidates,
+                                            std::optional<bool> inside, Samples& samples) const {
+    if (!samples) samples = sample_cube(surface_, candidates, node.cube, inside);
+    return *samples;
+  }
+
+  /// Makes a cube one of what was proven in it, if anything was.
+  static bool take(OctreeNode& node, const std::optional<CubeMaps>& maps) {
     if (!maps) return false;
     node.kind = maps->kind;
-    node.words.insert(node.words.end(), maps->words.begin(), maps->words.end());
+    node.words = maps->words;
+    node.charts = maps->charts;
+    node.larger = maps->larger;
+    node.shared_bytes = maps->shared_bytes;
     return true;
   }
 
-  [[nodiscard]] std::optional<CubeMaps> maps_of(const Candidates& candidates, const Cube& cube,
-                                                std::optional<bool> inside) const {
-    const std::vector<CubeSample> samples = sample_cube(surface_, candidates, cube, inside);
+  [[nodiscard]] std::optional<CubeMaps> polynomials_of(const Candidates& candidates,
+                                                       const std::vector<CubeSample>& samples,
+                                                       const Cube& cube,
+                                                       std::optional<bool> inside) const {
     for (const auto& fit : {fit_one, fit_two}) {
       const std::optional<FittedMaps> fitted = fit(samples, cube, fit_);
       if (!fitted || !prove_maps(surface_, candidates, cube, inside, *fitted, fit_.planes,
@@ -215,6 +262,48 @@ class Builder {
       return maps;
     }
     return std::nullopt;
+  }
+
+  /// The distance maps that answer in a cube.
+  [[nodiscard]] std::optional<CubeMaps> charts_of(const Candidates& candidates,
+                                                  const std::vector<CubeSample>& samples,
+                                                  const Cube& cube,
+                                                  std::optional<bool> inside) const {
+    // Charts are of solids.
+    if (!candidates.sheets.triangles.empty()) return std::nullopt;
+    for (const auto& find : {find_one_chart, find_two_charts}) {
+      const std::optional<FittedCharts> found = find(samples, cube, charts_);
+      if (!found) continue;
+      std::vector<ChartField> fields;
+      std::vector<const BoundedField*> bounded;
+      for (const ChartAtLevel& at : found->charts) {
+        fields.emplace_back(*charts_.heights, at.chart, at.level);
+      }
+      bounded.reserve(fields.size());
+      for (const ChartField& field : fields) bounded.push_back(&field);
+      if (!prove_fields(surface_, candidates, cube, inside, found->how, bounded, rules_.band,
+                        rules_.tolerance)) {
+        continue;
+      }
+      CubeMaps maps;
+      maps.kind = OctreeKind::map;
+      maps.charts = found->charts;
+      maps.larger = found->how == OctreeKind::most;
+      for (const ChartAtLevel& at : found->charts) {
+        maps.shared_bytes += bytes_of_heights(at, cube);
+      }
+      return maps;
+    }
+    return std::nullopt;
+  }
+
+  /// What a cube's part of a chart's heights takes, which the cubes before and behind it in the
+  /// band have too.
+  [[nodiscard]] double bytes_of_heights(const ChartAtLevel& at, const Cube& cube) const {
+    const double spacing = std::ldexp(charts_.heights->spacing(), -static_cast<int>(at.level));
+    const double along = 2 * cube.half / spacing;
+    const double deep = (rules_.band.max_depth + rules_.band.margin) / (2 * cube.half);
+    return sample_bytes * along * along / std::max(1.0, deep);
   }
 
   void become_list(OctreeNode& node, const Candidates& candidates,
@@ -283,10 +372,42 @@ void divide_lists(const Builder& builder, double bytes, OctreeRoots& roots) {
   }
 }
 
-/// Decides which cubes become lists so that octree and triangles keep within the bytes that are
-/// given. Throws BakeError where they are too few.
-void keep_within(const LatticeSurface& surface, double most, OctreeRoots& roots) {
-  const double least = find_least_bytes(roots) + triangle_bytes(surface, roots);
+void need_heights(const OctreeNode& node, Atlas& atlas) {
+  if (node.as_list) return;
+  if (node.octants) {
+    for (const OctreeNode& octant : *node.octants) need_heights(octant, atlas);
+    return;
+  }
+  for (const ChartAtLevel& at : node.charts) atlas.need(at, node.cube.middle, node.cube.half);
+}
+
+/// The distance maps that answer in an octree.
+Atlas atlas_of(const ChartHeights& heights, const OctreeRoots& roots) {
+  Atlas atlas(heights);
+  for (const OctreeNode& root : roots.nodes) need_heights(root, atlas);
+  return atlas;
+}
+
+double bytes_of(const AtlasData& atlas, const std::vector<SupportPlane>& planes) {
+  constexpr double chart_bytes = 20, plane_bytes = 256;
+  return sample_bytes * static_cast<double>(atlas.heights.size()) +
+         chart_bytes * static_cast<double>(atlas.charts.size()) +
+         plane_bytes * static_cast<double>(planes.size());
+}
+
+/// Bytes of the distance maps that answer in an octree, more than was reckoned with.
+double atlas_excess(const ChartHeights& heights, const OctreeRoots& roots) {
+  std::vector<SupportPlane> planes;
+  const AtlasData atlas = atlas_of(heights, roots).lay_out(0, planes);
+  return bytes_of(atlas, planes) - shared_bytes(roots);
+}
+
+/// Decides which cubes become lists so that octree, maps and triangles keep within the bytes that
+/// are given. Throws BakeError where they are too few.
+void keep_within(const LatticeSurface& surface, const ChartHeights& heights, double most,
+                 OctreeRoots& roots) {
+  const auto beside = [&] { return triangle_bytes(surface, roots) + atlas_excess(heights, roots); };
+  const double least = find_least_bytes(roots) + beside();
   if (least > most) {
     throw BakeError(ExitCode::tolerance_not_met,
                     fmt::format("the octree takes at least {:.0f} bytes more than --max-bytes "
@@ -297,7 +418,7 @@ void keep_within(const LatticeSurface& surface, double most, OctreeRoots& roots)
   constexpr int tries = 16;
   double bytes = most;
   for (int k = 0; k < tries; ++k) {
-    const double over = find_fastest(bytes, roots) + triangle_bytes(surface, roots) - most;
+    const double over = find_fastest(bytes, roots) + beside() - most;
     if (over <= 0) return;
     bytes -= over;
   }
@@ -307,8 +428,9 @@ void keep_within(const LatticeSurface& surface, double most, OctreeRoots& roots)
 }  // namespace
 
 BuiltOctree build_octree(const LatticeSurface& surface, const Caster& caster,
-                         std::span<const SupportPlane> planes, const Reachability* reachability,
-                         const OctreeRules& rules, ProvenMaps& proven, const Progress& progress) {
+                         std::span<const SupportPlane> planes, const ChartHeights& heights,
+                         const Reachability* reachability, const OctreeRules& rules,
+                         ProvenMaps& proven, const Progress& progress) {
   BuiltOctree built;
   OctreeData& data = built.data;
   data.edge = std::ldexp(rules.smallest_edge, rules.levels);
@@ -336,7 +458,7 @@ BuiltOctree build_octree(const LatticeSurface& surface, const Caster& caster,
   roots.count = data.roots;
   roots.nodes.resize(count);
   proven.store_in(data.value_unit);
-  const Builder builder(caster, surface, planes, reachability, rules, data, proven);
+  const Builder builder(caster, surface, planes, heights, reachability, rules, data, proven);
   ProgressCounter counter(progress, "octree", count);
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
     const std::size_t row = i / data.roots[0], layer = row / data.roots[1];
@@ -353,7 +475,7 @@ BuiltOctree build_octree(const LatticeSurface& surface, const Caster& caster,
   divide_lists(builder, tried_bytes * bytes, roots);
   if (!rules.bytes && part_roots(make_root, roots)) --joins;
   if (rules.bytes) {
-    keep_within(surface, bytes, roots);
+    keep_within(surface, heights, bytes, roots);
   } else {
     static_cast<void>(find_fastest(bytes, roots));
   }
@@ -361,8 +483,11 @@ BuiltOctree build_octree(const LatticeSurface& surface, const Caster& caster,
   data.edge = std::ldexp(data.edge, joins);
   make_lists(surface, roots);
   built.untold = add_known_places(surface, roots);
-  write_words(roots, surface, built);
-  if (built.counts.polynomials + built.counts.pairs + built.counts.lists == 0) {
+  Atlas atlas = atlas_of(heights, roots);
+  built.atlas = atlas.lay_out(static_cast<std::uint32_t>(planes.size()), built.planes);
+  write_words(roots, surface, atlas, built);
+  built.counts.bytes += static_cast<std::uint64_t>(bytes_of(built.atlas, built.planes));
+  if (built.counts.leaves() == 0) {
     throw BakeError(ExitCode::invalid_input,
                     "nothing of the object is left to model: the probe's centre comes to no place "
                     "of its band; move the object into the workspace, or take a smaller probe");

@@ -8,6 +8,7 @@
 
 #include "baker/base/progress.hpp"
 #include "baker/cast/cast.hpp"
+#include "baker/charts/chart_heights.hpp"
 #include "baker/field/lattice_surface.hpp"
 #include "baker/field/proven_maps.hpp"
 #include "baker/reachability/reachability.hpp"
@@ -28,24 +29,36 @@ struct OctreeRules {
 };
 
 struct OctreeCounts {
-  std::uint64_t polynomials = 0, pairs = 0, lists = 0, listed_triangles = 0;
-  double polynomial_volume = 0, list_volume = 0;  ///< m^3
-  std::array<double, 4> pruned_volume{};          ///< m^3, by PruneRule
-  std::uint64_t bytes = 0;                        ///< of all words
+  std::uint64_t maps = 0, map_pairs = 0, polynomials = 0, pairs = 0, lists = 0,
+                listed_triangles = 0;
+  double map_volume = 0, map_pair_volume = 0, polynomial_volume = 0, list_volume = 0;  ///< m^3
+  std::array<double, 4> pruned_volume{};  ///< m^3, by PruneRule
+  std::uint64_t bytes = 0;                ///< of all words and maps
+
+  [[nodiscard]] std::uint64_t leaves() const noexcept {
+    return maps + map_pairs + polynomials + pairs + lists;
+  }
+  [[nodiscard]] double answered_volume() const noexcept {
+    return map_volume + map_pair_volume + polynomial_volume + list_volume;
+  }
 };
 
 struct BuiltOctree {
   OctreeData data;
+  AtlasData atlas;
+  std::vector<SupportPlane> planes;  ///< of the atlas, behind those of the polynomials
   OctreeCounts counts;
   std::size_t untold = 0;  ///< lists beside doubted triangles that tell no side
 };
 
 /// Builds the distance octree of a surface, which `caster` is over too, and proves each of its
-/// polynomials. `reachability` may be null. `proven` is of earlier octrees of the same surface that
+/// polynomials and maps. `planes` are those of the polynomials, `heights` of the same surface.
+/// `reachability` may be null. `proven` is of earlier octrees of the same surface that
 /// differ in their cubes and bytes alone, or empty; it is added to. The same for any number of
 /// threads. Throws BakeError where nothing of the object is left to model.
 [[nodiscard]] BuiltOctree build_octree(const LatticeSurface& surface, const Caster& caster,
                                        std::span<const SupportPlane> planes,
+                                       const ChartHeights& heights,
                                        const Reachability* reachability, const OctreeRules& rules,
                                        ProvenMaps& proven, const Progress& progress);
 

@@ -7,6 +7,7 @@
 #include <optional>
 #include <vector>
 
+#include "baker/charts/atlas.hpp"
 #include "baker/field/cube_candidates.hpp"
 #include "baker/reachability/reachability.hpp"
 #include "common/field/distance_octree.hpp"
@@ -25,6 +26,9 @@ struct OctreeNode {
   OctreeKind kind = OctreeKind::far;
   Cube cube;
   std::vector<std::uint32_t> words;     ///< of polynomials and of deep cubes
+  std::vector<ChartAtLevel> charts;     ///< of maps: one, or two
+  bool larger = false;                  ///< of two maps: the larger distance counts
+  double shared_bytes = 0;              ///< of maps: what their heights take, beside other cubes
   double clearance = 0;                 ///< of a far one's middle, m
   std::vector<ListedCandidate> solids;  ///< triangles of a list
   std::vector<ListedCandidate> sheets;  ///< likewise

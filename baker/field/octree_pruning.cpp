@@ -15,7 +15,8 @@ namespace {
 
 /// How long answers take, that of a polynomial in a root the unit: measured on one processor. On
 /// others it may not be quite the fastest octree that is chosen.
-constexpr double pair_time = 1.3, list_time = 1.4, packet_time = 1.9, level_time = 0.14;
+constexpr double map_time = 1.1, two_maps_time = 1.7, pair_time = 1.3, list_time = 1.4,
+                 packet_time = 1.9, level_time = 0.14;
 
 /// Of the octree's words; times by the volume in which they are taken.
 struct Cost {
@@ -43,7 +44,12 @@ Cost cost_of_leaf(const OctreeNode& node, int level) {
   }
   Cost cost;
   cost.bytes = unit_bytes * units_of(node.kind);
-  if (has_maps(node.kind)) {
+  if (node.kind == OctreeKind::map) {
+    const double time = node.charts.size() > 1 ? two_maps_time : map_time;
+    cost.bytes += node.shared_bytes;
+    cost.time = node.cube.volume() * (time + level_time * level);
+  }
+  if (has_polynomials(node.kind)) {
     const double time = node.kind == OctreeKind::polynomial ? 1 : pair_time;
     cost.time = node.cube.volume() * (time + level_time * level);
   }
@@ -55,10 +61,10 @@ bool all_far(const OctreeNode& node) {
                      [](const OctreeNode& octant) { return octant.kind == OctreeKind::far; });
 }
 
-double bytes_in(const OctreeNode& node) {
-  if (!node.octants) return cost_of_leaf(node, 0).bytes;
-  double bytes = unit_bytes;
-  for (const OctreeNode& octant : *node.octants) bytes += bytes_in(octant);
+double shared_in(const OctreeNode& node) {
+  if (node.as_list || !node.octants) return node.as_list ? 0 : node.shared_bytes;
+  double bytes = 0;
+  for (const OctreeNode& octant : *node.octants) bytes += shared_in(octant);
   return bytes;
 }
 
@@ -175,9 +181,22 @@ void make_lists_in(const LatticeSurface& surface, OctreeNode& node) {
 
 }  // namespace
 
+double bytes_as_divided(const OctreeNode& node) {
+  if (!node.octants) return cost_of_leaf(node, 0).bytes;
+  double bytes = unit_bytes;
+  for (const OctreeNode& octant : *node.octants) bytes += bytes_as_divided(octant);
+  return bytes;
+}
+
 double bytes_as_divided(const OctreeRoots& roots) {
   double bytes = root_bytes * static_cast<double>(roots.nodes.size());
-  for (const OctreeNode& root : roots.nodes) bytes += bytes_in(root);
+  for (const OctreeNode& root : roots.nodes) bytes += bytes_as_divided(root);
+  return bytes;
+}
+
+double shared_bytes(const OctreeRoots& roots) {
+  double bytes = 0;
+  for (const OctreeNode& root : roots.nodes) bytes += shared_in(root);
   return bytes;
 }
 

@@ -20,8 +20,9 @@ struct OctreeRoots {
 /// Makes the root of a cube.
 using RootMaker = std::function<OctreeNode(const Cube&)>;
 
-/// Bytes of the octree's words as it is, without what make_lists would make of it.
+/// Bytes of the octree's words and maps as it is, without what make_lists would make of it.
 [[nodiscard]] double bytes_as_divided(const OctreeRoots& roots);
+[[nodiscard]] double bytes_as_divided(const OctreeNode& node);
 
 /// Which triangles lists have, those that were found too, or no tile shows.
 [[nodiscard]] std::vector<bool> used_triangles(const LatticeSurface& surface,
@@ -29,6 +30,9 @@ using RootMaker = std::function<OctreeNode(const Cube&)>;
 
 /// Bytes of the exact triangles, with the lists that were found.
 [[nodiscard]] double triangle_bytes(const LatticeSurface& surface, const OctreeRoots& roots);
+
+/// Of these, what the heights of its maps are reckoned with, without cubes that were found lists.
+[[nodiscard]] double shared_bytes(const OctreeRoots& roots);
 
 /// Finds the split cubes that are better lists so that the fewest bytes are left, and returns
 /// these.

@@ -29,8 +29,8 @@ struct Listed {
 
 class Writer {
  public:
-  Writer(const std::vector<std::uint32_t>& numbers, BuiltOctree& built)
-      : numbers_(numbers), built_(built), data_(built.data) {}
+  Writer(const std::vector<std::uint32_t>& numbers, const Atlas& atlas, BuiltOctree& built)
+      : numbers_(numbers), atlas_(atlas), built_(built), data_(built.data) {}
 
   [[nodiscard]] std::uint32_t root_word(const OctreeNode& node) {
     const auto kind = static_cast<std::uint32_t>(node.kind);
@@ -45,9 +45,14 @@ class Writer {
 
  private:
   const std::vector<std::uint32_t>& numbers_;  ///< of the surface's triangles, in the file
+  const Atlas& atlas_;
   BuiltOctree& built_;
   OctreeData& data_;
   std::map<std::pair<std::uint32_t, std::vector<std::uint32_t>>, std::uint32_t> known_;
+
+  [[nodiscard]] std::uint32_t number_of(const OctreeNode& node, const ChartAtLevel& chart) const {
+    return atlas_.number(chart, node.cube.middle, node.cube.half);
+  }
 
   std::uint32_t reserve(std::uint32_t units) {
     const auto first = static_cast<std::uint32_t>(data_.units.size() / 2);
@@ -82,6 +87,16 @@ class Writer {
         ++built_.counts.lists;
         built_.counts.list_volume += volume;
         data_.units[at] = list_of(node, data_.units[at + 1]);
+        break;
+      case OctreeKind::map:
+        data_.units[at] = number_of(node, node.charts.front());
+        if (node.charts.size() > 1) {
+          data_.units[at + 1] =
+              (number_of(node, node.charts.back()) + 1) | (node.larger ? larger_bit : 0);
+        }
+        ++(node.charts.size() > 1 ? built_.counts.map_pairs : built_.counts.maps);
+        (node.charts.size() > 1 ? built_.counts.map_pair_volume : built_.counts.map_volume) +=
+            volume;
         break;
       case OctreeKind::pruned:
         built_.counts.pruned_volume[static_cast<std::size_t>(node.rule)] += volume;
@@ -169,11 +184,12 @@ class Writer {
 
 }  // namespace
 
-void write_words(const OctreeRoots& roots, const LatticeSurface& surface, BuiltOctree& built) {
+void write_words(const OctreeRoots& roots, const LatticeSurface& surface, const Atlas& atlas,
+                 BuiltOctree& built) {
   OctreeData& data = built.data;
   const std::vector<std::uint32_t> numbers =
       write_triangles(surface, used_triangles(surface, roots), data);
-  Writer writer(numbers, built);
+  Writer writer(numbers, atlas, built);
   for (const OctreeNode& root : roots.nodes) data.root_words.push_back(writer.root_word(root));
   built.counts.bytes = 4 * (data.root_words.size() + data.units.size() + data.lists.size() +
                             data.corners.size() + data.triangles.size() + data.sides.size());

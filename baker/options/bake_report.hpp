@@ -26,10 +26,16 @@ struct Pruned {
 };
 
 /// Results of a bake, besides the asset.
+/// From what places are answered: shares that sum to 1, or are 0.
+struct AnswerShares {
+  double one_map = 0, two_maps = 0, polynomials = 0, triangles = 0;
+};
+
 struct BakeReport {
   std::uint64_t samples = 0;  ///< height samples stored
   std::uint64_t rays = 0;
   std::uint64_t record_cells = 0;    ///< cells of space that touch the band
+  AnswerShares answers;              ///< of the band's volume
   std::uint64_t fallback_cells = 0;  ///< of them, cells that triangles answer
   // Of the sparse form's proof.
   std::uint64_t refused_tile_cells =

@@ -11,6 +11,8 @@
 #include <vector>
 
 #include "baker/base/stopwatch.hpp"
+#include "baker/charts/chart_heights.hpp"
+#include "baker/charts/plane_charts.hpp"
 #include "baker/field/octree_build.hpp"
 #include "baker/pipeline/surface_tiles.hpp"
 #include "baker/planes/planes.hpp"
@@ -24,7 +26,13 @@ namespace spm::baker {
 
 namespace {
 
-constexpr std::size_t directions = 8;
+/// Of tiles and polynomials, and of the distance maps that answer.
+constexpr std::size_t directions = 8, map_directions = 20;
+/// The coarsest spacing of these maps, of the diagonal, and how often it is halved.
+constexpr double map_spacing_share = 1.0 / 64;
+constexpr std::uint32_t map_levels = 2;
+/// How far maps go on over what other planes see better, in depths of the band and spacings.
+constexpr double reach_depths = 1, reach_spacings = 2;
 /// Tolerances below this share of the diagonal are not proven, since the rounding of queries is no
 /// longer small.
 constexpr double min_tolerance_share = 1e-5;
@@ -43,7 +51,7 @@ constexpr double least_share = 0.1;
 
 /// Coarser tolerances than this share of the band's depth leave polynomials as they are, or fit
 /// larger ones in place of lists that take fewer bytes.
-constexpr double max_tolerance_share = 0.1;
+constexpr double max_tolerance_share = 0.4;
 
 double depth_of(const Band& band) { return std::max(band.max_depth, band.margin); }
 
@@ -114,10 +122,17 @@ void drop_pruned_tiles(Asset& asset) {
   asset.tiles = std::move(kept);
 }
 
+AnswerShares answers_of(const OctreeCounts& counts) {
+  const double all = counts.answered_volume();
+  if (!(all > 0)) return {};
+  return {counts.map_volume / all, counts.map_pair_volume / all, counts.polynomial_volume / all,
+          counts.list_volume / all};
+}
+
 /// Bytes that rules saved: cubes that were left out would have taken as many as others on average.
 std::vector<Pruned> pruned_by(const OctreeCounts& counts, const Reachability& reachability) {
   std::vector<Pruned> pruned;
-  const double answered = counts.polynomial_volume + counts.list_volume;
+  const double answered = counts.answered_volume();
   for (const PruneRule rule : {PruneRule::workspace, PruneRule::probe, PruneRule::unreachable}) {
     const double volume = counts.pruned_volume[static_cast<std::size_t>(rule)];
     if (!(volume > 0) && !reachability.checks(rule)) continue;
@@ -199,12 +214,20 @@ void bake_sparse(BakeResult& result, const OuterSurface& surface, const Caster& 
   const LatticeSurface lattice = round_to_lattice(surface, caster, known.bare, tolerance);
   const Caster& rounded = *lattice.caster;
   report.stages.end("lattice");
+  std::vector<SupportPlane> map_planes = vertex_based_planes(hull, map_directions);
+  round_planes(map_planes, metadata.diagonal);
+  const auto map_spacing =
+      static_cast<double>(static_cast<float>(map_spacing_share * caster.diagonal()));
+  const PlaneCharts charts(lattice.surface, map_planes,
+                           reach_depths * depth_of(metadata.band) + reach_spacings * map_spacing);
+  const ChartHeights heights(lattice.surface, map_planes, charts, map_spacing, map_levels);
+  report.stages.end("charts");
   std::optional<BuiltOctree> built;
   ProvenMaps proven;
   const auto try_edge = [&](double edge) {
-    BuiltOctree next =
-        build_octree(lattice, rounded, asset.planes, reachability.cuts() ? &reachability : nullptr,
-                     rules_for(options, asset, caster, tolerance, edge), proven, progress);
+    BuiltOctree next = build_octree(
+        lattice, rounded, asset.planes, heights, reachability.cuts() ? &reachability : nullptr,
+        rules_for(options, asset, caster, tolerance, edge), proven, progress);
     if (!built ||
         std::pair(next.untold, next.counts.bytes) < std::pair(built->untold, built->counts.bytes)) {
       built = std::move(next);
@@ -218,6 +241,8 @@ void bake_sparse(BakeResult& result, const OuterSurface& surface, const Caster& 
     try_edge(edge);
   }
   asset.octree = std::move(built->data);
+  asset.atlas = std::move(built->atlas);
+  asset.planes.insert(asset.planes.end(), built->planes.begin(), built->planes.end());
   report.stages.end("octree");
   if (reachability.cuts()) {
     drop_pruned_tiles(asset);
@@ -229,9 +254,10 @@ void bake_sparse(BakeResult& result, const OuterSurface& surface, const Caster& 
   result.served = try_served(tables.view(), caster, options.seed);
   report.stages.end("trials");
   report.seconds_fit += seconds_since(started) - report.seconds_cast;
-  report.samples = asset.tiles.size() * tile_sample_count;
-  report.record_cells = built->counts.polynomials + built->counts.pairs + built->counts.lists;
+  report.samples = asset.atlas.heights.size() + asset.tiles.size() * tile_sample_count;
+  report.record_cells = built->counts.leaves();
   report.fallback_cells = built->counts.lists;
+  report.answers = answers_of(built->counts);
   report.refused_tile_cells = known.refused_cells;
   report.fallback_area = known.bare_share;
 }

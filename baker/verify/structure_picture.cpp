@@ -17,6 +17,11 @@ constexpr double border_light = 0.55;
 std::optional<Colour> colour_in_octree(const DistanceOctree& octree, const Leaf& leaf) {
   namespace colours = structure_colours;
   switch (leaf.kind) {
+    case OctreeKind::map: {
+      const std::uint32_t* unit = units_at(octree, leaf);
+      if (unit == nullptr) return std::nullopt;
+      return unit[1] == 0 ? colours::one_map : colours::two_maps;
+    }
     case OctreeKind::polynomial:
       return colours::one_map;
     case OctreeKind::least:

@@ -7,7 +7,7 @@ namespace spm::baker {
 
 /// The colours of what answers at a place.
 namespace structure_colours {
-inline constexpr Colour one_map{0.27, 0.47, 0.75};    ///< blue: one polynomial or distance map
+inline constexpr Colour one_map{0.27, 0.47, 0.75};    ///< blue: one distance map or polynomial
 inline constexpr Colour two_maps{0.40, 0.76, 0.62};   ///< green: the smaller or larger of two
 inline constexpr Colour list{0.96, 0.76, 0.30};       ///< yellow: a list of one packet or less
 inline constexpr Colour long_list{0.80, 0.30, 0.20};  ///< red: a longer list of triangles

@@ -90,7 +90,7 @@ class Legends {
     return {"What answers where. Left: on the surface. Right: in a cut through the band, " +
                 length_text(cut.edge) + " wide. The length is that of the left one." + from_,
             {},
-            {{colours::one_map, "one polynomial or map"},
+            {{colours::one_map, "one map or polynomial"},
              {colours::two_maps, "two"},
              {colours::list, "up to 8 triangles"},
              {colours::long_list, "more triangles"},

@@ -9,6 +9,7 @@
 #include "common/field/distance_octree.hpp"
 #include "common/field/indexed_triangles.hpp"
 #include "common/surface/distance_map.hpp"
+#include "common/surface/height_chart.hpp"
 #include "common/surface/support_plane.hpp"
 #include "common/surface/tile.hpp"
 
@@ -98,10 +99,12 @@ struct AssetView {
                                 ///< asset shows of its surface; no answer depends on them
   bool tiles_left_out = false;  ///< the asset has tiles, but they were not asked for
   float height_unit = 1;        ///< m per unit of the tiles' heights
-  std::span<const float> triangles;  ///< `full` only: of the fallback, three corners each, m
-  Grid grid;                         ///< `full` only
-  DistanceOctree octree;             ///< `sparse` only
-  IndexedTriangles exact;            ///< `sparse` only
+  std::span<const HeightChart> charts;  ///< `sparse` only: the distance maps that answer
+  std::span<const float> atlas;         ///< `sparse` only: the heights of all charts
+  std::span<const float> triangles;     ///< `full` only: of the fallback, three corners each, m
+  Grid grid;                            ///< `full` only
+  DistanceOctree octree;                ///< `sparse` only
+  IndexedTriangles exact;               ///< `sparse` only
   Band band;
   Vector3 box_low = unknown_box(-1), box_high = unknown_box(1);  ///< m, of the mesh
   double tolerance = 0;        ///< m; how far beyond the band's end an answer may lie

@@ -20,6 +20,7 @@ enum class OctreeKind : std::uint32_t {
   deep = 4,        ///< inside, deeper than the band; one unit: the direction outwards
   split = 5,       ///< one unit: its octants
   list = 6,        ///< one unit: a list of triangles
+  map = 7,         ///< one unit: a distance map, or two of which the smaller or larger one counts
   polynomial = 8,  ///< two units: a local map
   least = 12,      ///< four units: two local maps, the smaller distance counts
   most = 13,       ///< four units: two local maps, the larger distance counts
@@ -35,6 +36,8 @@ enum class OctreeKind : std::uint32_t {
 ///   word 1 has the octants' kinds, four bits each, octant 0 (octant.hpp) lowest.
 /// Unit of a list: word 0 is the list's place in `lists`; word 1 how many and of which kind
 ///   (TriangleList).
+/// Unit of a map: word 0 is the number of a chart (HeightChart); word 1 is 0, or that of a second
+///   one plus 1, with larger_bit where the larger of both distances counts, not the smaller.
 /// Unit of a deep cube: word 0 is the direction outwards, octahedral (octahedral.hpp).
 ///
 /// Words may be anything, in a file that was damaged after it was checked, so each place is checked
@@ -57,8 +60,11 @@ struct DistanceOctree {
 
 inline constexpr int max_octree_levels = 12;
 
-/// Whether local maps are all that a cube's answers come from.
-[[nodiscard]] constexpr bool has_maps(OctreeKind kind) noexcept {
+/// Of a map's second word.
+inline constexpr std::uint32_t larger_bit = 1U << 31U;
+
+/// Whether polynomials are all that a cube's answers come from.
+[[nodiscard]] constexpr bool has_polynomials(OctreeKind kind) noexcept {
   return static_cast<std::uint32_t>(kind) >= 8;
 }
 

@@ -107,6 +107,42 @@ Answer answer_by_list(const AssetView& asset, const Leaf& leaf, const std::uint3
   return answer;
 }
 
+double square_of(const Vector3& v) noexcept { return v[0] * v[0] + v[1] * v[1] + v[2] * v[2]; }
+
+/// Eq. 3 to 5 on the distance maps of a leaf, and d = -(S_SP - D_SP(P_M)) / |n_S|, which is the
+/// distance of the surface's tangent plane at P_M: the paper's eq. 3 with the cosine between n_S
+/// and n_SP as the only difference.
+Answer answer_by_map(const AssetView& asset, const std::uint32_t* words,
+                     const Vector3& point) noexcept {
+  MapContact contact;
+  if (words[0] >= asset.charts.size() || !contact_on(asset.charts[words[0]], point, contact)) {
+    return unanswered(Status::far);
+  }
+  std::uint32_t chart = words[0];
+  double per = 1 / std::sqrt(square_of(contact.normal));
+  if (words[1] != 0) {
+    const std::uint32_t second = (words[1] & ~larger_bit) - 1;
+    MapContact other;
+    if (second >= asset.charts.size() || !contact_on(asset.charts[second], point, other)) {
+      return unanswered(Status::far);
+    }
+    const double other_per = 1 / std::sqrt(square_of(other.normal));
+    const bool smaller = other_per * other.penetration > per * contact.penetration;
+    if (smaller == ((words[1] & larger_bit) == 0)) {
+      chart = second;
+      contact = other;
+      per = other_per;
+    }
+  }
+  Answer answer;
+  answer.distance = -per * contact.penetration;
+  answer.normal = {per * contact.normal[0], per * contact.normal[1], per * contact.normal[2]};
+  answer.plane = static_cast<std::int32_t>(asset.charts[chart].plane);
+  answer.source = Source::map;
+  answer.status = Status::exact;
+  return answer;
+}
+
 /// How far the surface is at the least, m, by the distances that `far` roots know of their middles:
 /// of the eight whose middles are around the point. One that lies behind it, as seen from the
 /// surface, tells most. Below 0 where none tells.
@@ -154,6 +190,8 @@ Answer query_leaf(const AssetView& asset, const Leaf& leaf, const Vector3& point
       if (!unpack_leaf_maps(asset, leaf, words, maps)) return unanswered(Status::far);
       return answer_by_maps(asset, leaf, maps, point);
     }
+    case OctreeKind::map:
+      return answer_by_map(asset, words, point);
     case OctreeKind::list:
       return answer_by_list(asset, leaf, words, point);
     case OctreeKind::deep: {
@@ -209,13 +247,11 @@ double box_clearance(const AssetView& asset, const OutsideBox& from, double usef
   double beside = 0;
   if (leaf.kind == OctreeKind::far && leaf.level >= 0) {
     beside = leaf_clearance(asset, leaf, from.nearest, useful);
-  } else if (has_maps(leaf.kind)) {
-    LeafMaps maps;
-    const std::uint32_t* words = units_at(asset.octree, leaf);
-    if (words != nullptr && unpack_leaf_maps(asset, leaf, words, maps)) {
-      const double told = leaf.half * place_on_map(asset, leaf, maps, from.nearest).value;
-      const double within = std::min(told, asset.band.margin) - asset.tolerance;
-      beside = std::max({0.0, within, clearance_told(asset, told)});
+  } else if (has_polynomials(leaf.kind) || leaf.kind == OctreeKind::map) {
+    const Answer told = query_leaf(asset, leaf, from.nearest);
+    if (told.status == Status::exact) {
+      const double within = std::min(told.distance, asset.band.margin) - asset.tolerance;
+      beside = std::max({0.0, within, clearance_told(asset, told.distance)});
     }
   }
   return shortened_bound * std::sqrt(from.square + beside * beside);

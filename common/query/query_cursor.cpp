@@ -15,7 +15,7 @@ void QueryCursor::enter(const Vector3& point) noexcept {
   inner_ = leaf_.level < 0 ? -1 : certain_share * leaf_.half;
   by_maps_ = false;
   if (leaf_.kind == OctreeKind::deep) told_ = query_leaf(*asset_, leaf_, point);
-  if (has_maps(leaf_.kind)) {
+  if (has_polynomials(leaf_.kind)) {
     const std::uint32_t* words = units_at(asset_->octree, leaf_);
     by_maps_ = words != nullptr && unpack_leaf_maps(*asset_, leaf_, words, maps_);
   }
@@ -23,9 +23,16 @@ void QueryCursor::enter(const Vector3& point) noexcept {
 
 QueriedDistance QueryCursor::tell_leaf(const Vector3& point) noexcept {
   told_ = query_leaf(*asset_, leaf_, point);
+  point_ = point;
   if (told_.status != Status::exact) return {told_.distance, told_.status};
   beyond_ = clearance_told(*asset_, told_.distance);
   return in_band(*asset_, told_.distance);
+}
+
+double QueryCursor::bend_of_map() const noexcept {
+  const std::uint32_t* words = units_at(asset_->octree, leaf_);
+  if (words == nullptr || words[1] != 0 || words[0] >= asset_->charts.size()) return 0;
+  return bend_on(asset_->charts[words[0]], point_);
 }
 
 Answer QueryCursor::query(const Vector3& point) noexcept {

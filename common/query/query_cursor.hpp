@@ -50,9 +50,10 @@ class QueryCursor {
   [[nodiscard]] Vector3 normal() const noexcept {
     return by_maps_ ? normal_on_map(*asset_, maps_, on_) : told_.normal;
   }
-  /// 1/m: the trace of a leaf's bend (LocalQuadric), once in it; 0 where no one polynomial is its
-  /// field.
+  /// 1/m: the trace of a leaf's bend (LocalQuadric), once in it, or of a map's at the last point; 0
+  /// where neither one polynomial nor one map is its field.
   [[nodiscard]] double bend() const noexcept {
+    if (leaf_.kind == OctreeKind::map) return bend_of_map();
     if (!by_maps_ || leaf_.kind != OctreeKind::polynomial) return 0;
     const auto& bend = maps_.first.bend;
     return leaf_.per_half * (bend[0] + bend[1] + bend[2]);
@@ -79,7 +80,8 @@ class QueryCursor {
 
   /// Goes to the leaf around a point.
   void enter(const Vector3& point) noexcept;
-  /// The answer of a leaf without maps.
+  [[nodiscard]] double bend_of_map() const noexcept;
+  /// The answer of a leaf without polynomials.
   [[nodiscard]] QueriedDistance tell_leaf(const Vector3& point) noexcept;
 
   const AssetView* asset_ = nullptr;
@@ -89,8 +91,9 @@ class QueryCursor {
   OutsideBox outside_;  ///< of the last point
   double beyond_ = 0;   ///< m: clearance of the last point, as the leaf's own answer tells it
   LeafMaps maps_;
-  PlaceOnMap on_;  ///< of the last point, by maps
-  Answer told_;    ///< of the last point, without maps; in all of a leaf deeper than the band
+  PlaceOnMap on_;                    ///< of the last point, by maps
+  Vector3 point_ = Vector3::Zero();  ///< the last one, without polynomials
+  Answer told_;  ///< of the last point, without polynomials; in all of a leaf deeper than the band
 };
 
 }  // namespace spm

@@ -5,6 +5,7 @@
 #include <cmath>
 #include <utility>
 
+#include "formats/asset/chart_words.hpp"
 #include "formats/asset/tile_words.hpp"
 
 namespace spm {
@@ -30,10 +31,12 @@ double steps_per_metre(double diagonal) {
 
 AssetTables::AssetTables(std::vector<SupportPlane> planes, std::vector<DistanceMap> maps,
                          std::vector<std::vector<std::uint32_t>> layer_offsets,
-                         std::vector<Tile> tiles, const AssetView& rest)
+                         std::vector<Tile> tiles, std::vector<HeightChart> charts,
+                         const AssetView& rest)
     : planes_(std::move(planes)),
       maps_(std::move(maps)),
       tiles_(std::move(tiles)),
+      charts_(std::move(charts)),
       layer_offsets_(std::move(layer_offsets)),
       view_(rest) {
   if (rest.full) {
@@ -47,6 +50,7 @@ AssetTables::AssetTables(std::vector<SupportPlane> planes, std::vector<DistanceM
   view_.planes = planes_;
   view_.maps = maps_;
   view_.tiles = tiles_;
+  view_.charts = charts_;
   view_.plane_nx = nx_;
   view_.plane_ny = ny_;
   view_.plane_nz = nz_;
@@ -64,8 +68,8 @@ std::uint64_t AssetTables::bytes() const noexcept {
   const auto of = [](const auto& table) {
     return static_cast<std::uint64_t>(table.capacity()) * sizeof(table[0]);
   };
-  std::uint64_t bytes = of(planes_) + of(maps_) + of(tiles_) + of(layer_offsets_) + of(nx_) +
-                        of(ny_) + of(nz_) + of(offset_);
+  std::uint64_t bytes = of(planes_) + of(maps_) + of(tiles_) + of(charts_) + of(layer_offsets_) +
+                        of(nx_) + of(ny_) + of(nz_) + of(offset_);
   for (const auto& offsets : layer_offsets_) bytes += of(offsets);
   return bytes;
 }
@@ -110,7 +114,15 @@ AssetTables tables_of(const Asset& asset) {
                .records = asset.grid.records};
   asset.octree.add_to(rest);
   asset.metadata.add_to(rest);
-  return AssetTables(asset.planes, std::move(maps), std::move(offsets), std::move(tiles), rest);
+  rest.atlas = asset.atlas.heights;
+  std::vector<HeightChart> charts;
+  charts.reserve(asset.atlas.charts.size());
+  for (const ChartData& chart : asset.atlas.charts) {
+    charts.push_back(
+        chart_over(chart, asset.planes[chart.plane], asset.atlas, asset.atlas.heights.data()));
+  }
+  return AssetTables(asset.planes, std::move(maps), std::move(offsets), std::move(tiles),
+                     std::move(charts), rest);
 }
 
 void AssetMetadata::add_to(AssetView& view) const noexcept {
@@ -122,16 +134,20 @@ void AssetMetadata::add_to(AssetView& view) const noexcept {
   view.full = form == AssetForm::full;
 }
 
-void round_to_stored(Asset& asset) {
-  if (asset.metadata.form == AssetForm::full) return;
+void round_planes(std::vector<SupportPlane>& planes, double diagonal) {
   constexpr double unit_steps = 1e8;
-  const double metre_steps = steps_per_metre(asset.metadata.diagonal);
-  for (SupportPlane& plane : asset.planes) {
+  const double metre_steps = steps_per_metre(diagonal);
+  for (SupportPlane& plane : planes) {
     plane.x0 = round_to_step(plane.x0, metre_steps);
     plane.u = round_to_step(plane.u, unit_steps);
     plane.v = round_to_step(plane.v, unit_steps);
     plane.n = round_to_step(plane.n, unit_steps);
   }
+}
+
+void round_to_stored(Asset& asset) {
+  if (asset.metadata.form == AssetForm::full) return;
+  round_planes(asset.planes, asset.metadata.diagonal);
 }
 
 }  // namespace spm

@@ -13,7 +13,7 @@
 namespace spm {
 
 /// The version of the file format that this program writes and reads.
-inline constexpr int asset_format_version = 7;
+inline constexpr int asset_format_version = 8;
 
 enum class AssetForm { sparse, full };
 
@@ -86,6 +86,25 @@ struct TileData {
   std::vector<std::uint32_t> clips;  ///< one per set bit of `clipped`
 };
 
+/// A chart of a `sparse` asset in memory; see HeightChart for the meaning of each field. Its
+/// spacing is AtlasData::spacing / 2^level.
+struct ChartData {
+  std::uint32_t plane = 0;  ///< below 65536
+  std::uint32_t level = 0;  ///< below 32
+  std::int32_t column0 = 0, row0 = 0;
+  std::uint32_t columns = 0, rows = 0;  ///< 3 or more, below 65536
+  std::uint32_t first = 0;              ///< place of its first height in the atlas
+};
+
+/// The distance maps of a `sparse` asset: one picture of heights, in which each chart has its own
+/// places.
+struct AtlasData {
+  double spacing = 0;  ///< m, of level 0
+  std::uint32_t width = 0;
+  std::vector<float> heights;  ///< m, row by row
+  std::vector<ChartData> charts;
+};
+
 /// Of a `full` asset; see Grid.
 struct GridData {
   Vector3 origin = Vector3::Zero();
@@ -129,12 +148,13 @@ struct OctreeData {
 
 /// A baked asset in memory, as the baker builds it and the writer writes it. `full`: map k belongs
 /// to plane k; all maps have the same columns and rows, but the number of layers may differ; no
-/// tiles. `sparse`: tiles, no maps, and an octree instead of the grid.
+/// tiles. `sparse`: an atlas and tiles, no maps, and an octree instead of the grid.
 struct Asset {
   AssetMetadata metadata;
   std::vector<SupportPlane> planes;
   std::vector<MapData> maps;
   std::vector<TileData> tiles;
+  AtlasData atlas;
   GridData grid;
   OctreeData octree;
   std::vector<float> triangles;  ///< `full` only: corners of the fallback's triangles, three each
@@ -155,7 +175,7 @@ class AssetTables {
   /// grid or octree, triangles, band, tolerance, form and unit of heights.
   AssetTables(std::vector<SupportPlane> planes, std::vector<DistanceMap> maps,
               std::vector<std::vector<std::uint32_t>> layer_offsets, std::vector<Tile> tiles,
-              const AssetView& rest);
+              std::vector<HeightChart> charts, const AssetView& rest);
 
   /// Frees the table of tiles, which queries do not need.
   void drop_tiles() noexcept;
@@ -169,6 +189,7 @@ class AssetTables {
   std::vector<SupportPlane> planes_;
   std::vector<DistanceMap> maps_;
   std::vector<Tile> tiles_;
+  std::vector<HeightChart> charts_;
   std::vector<std::vector<std::uint32_t>> layer_offsets_;
   std::vector<double> nx_, ny_, nz_, offset_;
   AssetView view_;
@@ -183,6 +204,8 @@ class AssetTables {
 /// plane bases to eight decimals and plane origins to a hundred-millionth of the diagonal
 /// (orthonormal to 1e-7). Call it before tiles are fitted; it may be repeated.
 void round_to_stored(Asset& asset);
+/// The same of planes alone, of an object of that diagonal, m.
+void round_planes(std::vector<SupportPlane>& planes, double diagonal);
 
 /// How far beyond the band's end an answer may lie, m: the tolerance, or a thousandth of the
 /// diagonal where the asset promises none.

@@ -113,6 +113,10 @@ Result<void> check_content(const AssetView& asset, const std::string& path) {
                                                " has heights that are not numbers; bake it again");
     }
   }
+  if (count_bad(asset.atlas, false) != 0) {
+    return fail(ExitCode::invalid_input,
+                path + ": its maps have heights that are not numbers; bake it again");
+  }
   if (count_bad(asset.triangles, false) != 0) {
     return fail(ExitCode::invalid_input,
                 path + ": its triangles have corners that are not numbers; bake it again");

@@ -16,6 +16,7 @@ using Json = nlohmann::ordered_json;
 
 constexpr std::uint32_t max_maps = 1U << 24U;  // limit of a grid record
 constexpr std::uint32_t max_tiles = 1U << 24U;
+constexpr std::uint32_t max_charts = 1U << 24U;
 constexpr std::uint32_t max_samples_a_side = 1U << 14U;
 constexpr std::uint32_t max_cells_an_axis = 1U << 20U;
 constexpr std::uint64_t max_cells = std::uint64_t{1} << 30U;
@@ -91,6 +92,9 @@ void add_surfaces(const AssetDescription& description, Json& json) {
                     {"columns", description.map_columns},
                     {"rows", description.map_rows}};
   } else {
+    json["atlas"] = {{"charts", description.atlas_charts},
+                     {"width", description.atlas.width},
+                     {"spacing", description.atlas.spacing}};
     json["tiles"] = {{"count", description.tiles},
                      {"spacing", metadata.tile_spacing},
                      {"height_unit", metadata.height_unit}};
@@ -224,6 +228,14 @@ void read_maps(JsonFields maps, AssetDescription& description) {
   description.map_rows = integer("rows", 2, max_samples_a_side);
 }
 
+void read_atlas(JsonFields atlas, AssetDescription& description) {
+  description.atlas_charts = static_cast<std::uint32_t>(atlas.integer("charts", 0, max_charts));
+  const bool none = description.atlas_charts == 0;
+  description.atlas.width = static_cast<std::uint32_t>(
+      atlas.integer("width", none ? 0 : 4, none ? 0 : max_samples_a_side));
+  description.atlas.spacing = atlas.number("spacing", none ? 0 : min_length);
+}
+
 void read_tiles(JsonFields tiles, AssetDescription& description) {
   description.tiles = static_cast<std::uint32_t>(tiles.integer("count", 0, max_tiles));
   const double least = description.tiles == 0 ? 0 : min_length;
@@ -293,6 +305,11 @@ AssetDescription describe(const Asset& asset) {
     description.map_columns = asset.maps.front().columns;
     description.map_rows = asset.maps.front().rows;
   }
+  if (!asset.atlas.charts.empty()) {
+    description.atlas.spacing = asset.atlas.spacing;
+    description.atlas.width = asset.atlas.width;
+  }
+  description.atlas_charts = static_cast<std::uint32_t>(asset.atlas.charts.size());
   description.tiles = static_cast<std::uint32_t>(asset.tiles.size());
   description.triangles = static_cast<std::uint32_t>(asset.triangles.size() / 9);
   return description;
@@ -357,6 +374,7 @@ Result<AssetDescription> parse_description(std::string_view text, const std::str
     read_maps(fields.child("maps"), description);
   } else {
     read_octree(fields, description);
+    read_atlas(fields.child("atlas"), description);
     read_tiles(fields.child("tiles"), description);
   }
   read_planes(fields, description, problem);

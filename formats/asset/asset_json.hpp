@@ -30,8 +30,10 @@ struct AssetDescription {
   std::uint32_t maps = 0;  ///< `full` only, with their columns and rows
   std::uint32_t map_columns = 0;
   std::uint32_t map_rows = 0;
-  std::uint32_t tiles = 0;      ///< `sparse` only
-  std::uint32_t triangles = 0;  ///< `full` only: of the fallback
+  std::uint32_t tiles = 0;         ///< `sparse` only
+  AtlasData atlas;                 ///< `sparse` only, without its heights and charts
+  std::uint32_t atlas_charts = 0;  ///< `sparse` only
+  std::uint32_t triangles = 0;     ///< `full` only: of the fallback
 };
 
 /// Description of an asset in memory, without the EXR tiles of its planes.

@@ -5,6 +5,7 @@
 #include <optional>
 #include <utility>
 
+#include "formats/asset/chart_words.hpp"
 #include "formats/asset/tile_words.hpp"
 
 namespace spm {
@@ -149,9 +150,9 @@ Result<std::vector<Tile>> sparse_tiles(const Parts& parts, const AssetDescriptio
   if (!parts.words<std::uint32_t>(part_name::grid_masks, read.mask_words)) {
     return wrong_part(path, part_name::grid_masks);
   }
-  const ExrPart* heights = parts.find(part_name::heights);
+  const ExrPart* heights = parts.find(part_name::grid_tile_heights);
   if (count == 0) {
-    if (heights != nullptr) return wrong_part(path, part_name::heights);
+    if (heights != nullptr) return wrong_part(path, part_name::grid_tile_heights);
     return std::move(read.tiles);
   }
   const std::uint64_t strip = heights == nullptr ? 0 : heights->tile_height / tile_samples;
@@ -159,7 +160,7 @@ Result<std::vector<Tile>> sparse_tiles(const Parts& parts, const AssetDescriptio
       heights->channels != stored_channels(1) || heights->tile_width != tile_samples ||
       strip == 0 || heights->tile_height != strip * tile_samples ||
       heights->offsets.size() != (count + strip - 1) / strip) {
-    return wrong_part(path, part_name::heights);
+    return wrong_part(path, part_name::grid_tile_heights);
   }
   for (std::size_t index = 0; index < count; ++index) {
     const std::byte* samples = parts.at(heights->offsets[index / strip]);
@@ -167,6 +168,42 @@ Result<std::vector<Tile>> sparse_tiles(const Parts& parts, const AssetDescriptio
         reinterpret_cast<const std::uint16_t*>(samples) + index % strip * tile_sample_count;
   }
   return std::move(read.tiles);
+}
+
+/// The distance maps of a `sparse` asset, and the heights of all of them.
+struct AtlasRead {
+  std::vector<HeightChart> charts;
+  std::span<const float> heights;
+};
+
+Result<AtlasRead> sparse_maps(const Parts& parts, const AssetDescription& description,
+                              const std::string& path) {
+  AtlasRead read;
+  const std::uint64_t count = description.atlas_charts;
+  const auto words = parts.words<std::uint32_t>(part_name::grid_maps, count * chart_word_count);
+  if (!words) return wrong_part(path, part_name::grid_maps);
+  const ExrPart* picture = parts.find(part_name::heights);
+  if (count == 0) {
+    if (picture != nullptr) return wrong_part(path, part_name::heights);
+    return read;
+  }
+  if (picture == nullptr || picture->type != SampleType::float32 ||
+      picture->channels != stored_channels(1) || picture->offsets.size() != 1 ||
+      picture->tile_width != description.atlas.width) {
+    return wrong_part(path, part_name::heights);
+  }
+  read.heights = {floats_at(parts, picture->offsets.front()),
+                  std::size_t{picture->tile_width} * picture->tile_height};
+  for (const ChartData& chart : read_charts(*words)) {
+    const std::string problem = chart_problem(chart, description.planes.size(),
+                                              description.atlas.width, read.heights.size());
+    if (!problem.empty()) {
+      return refuse(path, "distance map " + std::to_string(read.charts.size()) + " " + problem);
+    }
+    read.charts.push_back(
+        chart_over(chart, description.planes[chart.plane], description.atlas, read.heights.data()));
+  }
+  return read;
 }
 
 /// The grid and triangles of a `full` asset; returns the name of a part that is not as required, if
@@ -230,8 +267,9 @@ const ExrPart* unexpected_part(const Parts& parts, bool full) {
     const bool own = full ? name.starts_with(part_name::heights) || name == part_name::grid_index ||
                                 name == part_name::grid_records
                           : name == part_name::heights || name == part_name::grid_tiles ||
-                                name == part_name::grid_roots || name == part_name::grid_cubes ||
-                                name == part_name::grid_lists ||
+                                name == part_name::grid_tile_heights ||
+                                name == part_name::grid_maps || name == part_name::grid_roots ||
+                                name == part_name::grid_cubes || name == part_name::grid_lists ||
                                 name == part_name::triangles_corners ||
                                 name == part_name::triangles_sides;
     if (!common && !own) return &part;
@@ -251,14 +289,17 @@ Result<AssetTables> lay_out(std::span<const std::byte> bytes, const std::vector<
   Result<std::vector<Tile>> tiles =
       full ? Result<std::vector<Tile>>() : sparse_tiles(parts, description, path);
   if (!tiles) return tl::make_unexpected(std::move(tiles.error()));
+  Result<AtlasRead> atlas = full ? Result<AtlasRead>() : sparse_maps(parts, description, path);
+  if (!atlas) return tl::make_unexpected(std::move(atlas.error()));
   AssetView rest;
+  rest.atlas = atlas->heights;
   rest.height_unit = static_cast<float>(description.metadata.height_unit);
   const std::string_view wrong =
       full ? find_grid(parts, description, rest) : find_octree(parts, description, rest);
   if (!wrong.empty()) return wrong_part(path, wrong);
   description.metadata.add_to(rest);
   return AssetTables(description.planes, std::move(maps->maps), std::move(maps->layer_offsets),
-                     std::move(*tiles), rest);
+                     std::move(*tiles), std::move(atlas->charts), rest);
 }
 
 }  // namespace spm

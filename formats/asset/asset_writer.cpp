@@ -10,6 +10,7 @@
 
 #include "formats/asset/asset.hpp"
 #include "formats/asset/asset_json.hpp"
+#include "formats/asset/chart_words.hpp"
 #include "formats/asset/tile_words.hpp"
 #include "formats/exr/exr_writer.hpp"
 #include "formats/files/host.hpp"
@@ -108,7 +109,7 @@ PartPlan sparse_part(const Asset& asset) {
   const auto count = static_cast<std::uint32_t>(asset.tiles.size());
   const std::uint32_t strip = arrange_strips(count);
   PartPlan part;
-  part.name = part_name::heights;
+  part.name = part_name::grid_tile_heights;
   part.type = SampleType::half16;
   part.channels = stored_channels(1);
   part.tile_width = tile_samples;
@@ -125,6 +126,36 @@ PartPlan sparse_part(const Asset& asset) {
     return std::span<const std::byte>(scratch);
   };
   return part;
+}
+
+/// The heights of a `sparse` asset's distance maps, as one picture.
+PartPlan atlas_part(const Asset& asset) {
+  PartPlan part;
+  part.name = part_name::heights;
+  part.channels = stored_channels(1);
+  part.tile_width = asset.atlas.width;
+  part.tile_height = static_cast<std::uint32_t>(asset.atlas.heights.size() / asset.atlas.width);
+  part.tiles = {1, 1};
+  part.payload = [&asset](std::uint32_t, std::vector<std::byte>&) {
+    return std::as_bytes(std::span(asset.atlas.heights));
+  };
+  return part;
+}
+
+/// The error in the distance maps of a `sparse` asset; empty where there is none.
+std::string atlas_problem(const Asset& asset) {
+  const AtlasData& atlas = asset.atlas;
+  if (atlas.charts.empty() != atlas.heights.empty()) return "its maps and heights do not agree";
+  if (atlas.charts.empty()) return {};
+  if (atlas.width == 0 || atlas.heights.size() % atlas.width != 0 || !(atlas.spacing > 0)) {
+    return "its maps have no spacing or no shape";
+  }
+  for (std::size_t index = 0; index < atlas.charts.size(); ++index) {
+    const std::string problem =
+        chart_problem(atlas.charts[index], asset.planes.size(), atlas.width, atlas.heights.size());
+    if (!problem.empty()) return "its map " + std::to_string(index) + " " + problem;
+  }
+  return {};
 }
 
 /// The error in the maps of a `full` asset; empty where there is none.
@@ -188,10 +219,12 @@ std::string inconsistency(const Asset& asset) {
   if (asset.triangles.size() % 9 != 0 || (!full && !asset.triangles.empty())) {
     return "its triangles are not of nine numbers, or of the other form";
   }
-  if (full ? !asset.tiles.empty() : !asset.maps.empty()) {
+  if (full ? !asset.tiles.empty() || !asset.atlas.charts.empty() : !asset.maps.empty()) {
     return "it holds what belongs to the other form";
   }
-  return full ? map_problem(asset) : tiles_problem(asset);
+  if (full) return map_problem(asset);
+  const std::string problem = atlas_problem(asset);
+  return problem.empty() ? tiles_problem(asset) : problem;
 }
 
 /// The words of the tiles; the masks also of a `full` asset. They must live until the file is
@@ -236,9 +269,12 @@ Result<AssetBytes> write_asset(const Asset& asset, const std::string& path) {
   std::vector<PartPlan> parts;
   if (description.metadata.form == AssetForm::full) {
     parts = full_parts(asset, description.plane_tile);
-  } else if (!asset.tiles.empty()) {
-    parts.push_back(sparse_part(asset));
+  } else {
+    // Viewers open the first.
+    if (!asset.atlas.charts.empty()) parts.push_back(atlas_part(asset));
+    if (!asset.tiles.empty()) parts.push_back(sparse_part(asset));
   }
+  const std::vector<std::uint32_t> charts = words_of(asset.atlas.charts);
   const TileWords tiles = gather(asset);
   const auto add = [&parts](std::string_view name, SampleType type, const auto& values) {
     if (!values.empty()) parts.push_back(flat_part(name, type, std::span(values)));
@@ -248,6 +284,7 @@ Result<AssetBytes> write_asset(const Asset& asset, const std::string& path) {
   add(part_name::grid_roots, SampleType::uint32, asset.octree.root_words);
   add(part_name::grid_cubes, SampleType::uint32, asset.octree.units);
   add(part_name::grid_lists, SampleType::uint32, asset.octree.lists);
+  add(part_name::grid_maps, SampleType::uint32, charts);
   add(part_name::grid_tiles, SampleType::uint32, tiles.tiles);
   add(part_name::grid_masks, SampleType::uint32, tiles.masks);
   add(part_name::triangles, SampleType::float32, asset.triangles);

@@ -65,6 +65,7 @@ class OctreeCheck {
       case OctreeKind::deep:
       case OctreeKind::split:
       case OctreeKind::list:
+      case OctreeKind::map:
       case OctreeKind::polynomial:
       case OctreeKind::least:
       case OctreeKind::most:
@@ -89,6 +90,8 @@ class OctreeCheck {
         return look_into_split(words, cube.level);
       case OctreeKind::list:
         return list_problem(words);
+      case OctreeKind::map:
+        return chart_problem(words);
       case OctreeKind::least:
       case OctreeKind::most:
         if (std::string_view found = map_problem(words + local_map_words); !found.empty()) {
@@ -131,6 +134,15 @@ class OctreeCheck {
     steps_ += list.size();
     for (std::size_t k = 0; k < list.size(); ++k) {
       if (list.triangle(k) >= asset_.exact.size()) return "names triangles that do not exist";
+    }
+    return {};
+  }
+
+  [[nodiscard]] std::string_view chart_problem(const std::uint32_t* words) const {
+    const std::uint32_t second = words[1] & ~larger_bit;
+    if (words[0] >= asset_.charts.size() || second > asset_.charts.size() ||
+        (second == 0 && words[1] != 0)) {
+      return "names a distance map that does not exist";
     }
     return {};
   }

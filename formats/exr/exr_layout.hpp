@@ -13,12 +13,14 @@ namespace spm {
 // Names of parts and attributes of a baked file. The attributes belong to the first part. The
 // values of `checksum` and `bytes` have a fixed width, because they are filled in last.
 namespace part_name {
-inline constexpr std::string_view heights = "heights";        ///< `full` adds the number of layers
-inline constexpr std::string_view grid_index = "grid_index";  ///< `full` only
-inline constexpr std::string_view grid_records = "grid_records";  ///< `full` only
-inline constexpr std::string_view grid_roots = "grid_roots";      ///< `sparse` only
-inline constexpr std::string_view grid_cubes = "grid_cubes";      ///< `sparse` only
-inline constexpr std::string_view grid_lists = "grid_lists";      ///< `sparse` only
+inline constexpr std::string_view heights = "heights";  ///< `full` adds the number of layers
+inline constexpr std::string_view grid_tile_heights = "grid_tile_heights";  ///< `sparse` only
+inline constexpr std::string_view grid_maps = "grid_maps";                  ///< `sparse` only
+inline constexpr std::string_view grid_index = "grid_index";                ///< `full` only
+inline constexpr std::string_view grid_records = "grid_records";            ///< `full` only
+inline constexpr std::string_view grid_roots = "grid_roots";                ///< `sparse` only
+inline constexpr std::string_view grid_cubes = "grid_cubes";                ///< `sparse` only
+inline constexpr std::string_view grid_lists = "grid_lists";                ///< `sparse` only
 inline constexpr std::string_view grid_masks = "grid_masks";
 inline constexpr std::string_view grid_tiles = "grid_tiles";  ///< `sparse` only
 inline constexpr std::string_view triangles = "triangles";

@@ -140,10 +140,10 @@ class BatchReport(Shown):
     def setUpClass(cls):
         cls.models = tempfile.mkdtemp(prefix="spm-e2e-batch-report-")
         cls.addClassCleanup(shutil.rmtree, cls.models, ignore_errors=True)
-        generate(cls.models, "box")
+        generate(cls.models, "box", "sphere")
         cls.manifest = os.path.join(cls.models, "three.toml")
         with open(cls.manifest, "w", encoding="utf-8") as file:
-            for name, mesh, depth in (("large", "box.obj", "2mm"), (HOSTILE, "box.obj", "0.1mm"),
+            for name, mesh, depth in (("large", "sphere.obj", "2mm"), (HOSTILE, "box.obj", "0.1mm"),
                                       ("missing", "none.obj", "0.1mm")):
                 file.write(f'[[asset]]\nname = {json.dumps(name)}\nmesh = "{mesh}"\n'
                            f'output = "{len(name)}.spm.exr"\ntolerance = "50um"\nmax-depth = "{depth}"\n')

@@ -17,8 +17,8 @@ const CAPTIONS = {
   'surface.png': 'The mesh, and beside it the surface as the asset holds it.',
   'taken.png': 'What the mesh is taken for, from two sides: grey solids, orange lids that close holes, '
     + 'blue sheets, which are felt from both sides.',
-  'structure.png': 'What answers where, on the surface and in a cut: blue one polynomial, green two, '
-    + 'yellow up to eight triangles, red more, grey deeper than the band, violet left out.',
+  'structure.png': 'What answers where, on the surface and in a cut: blue one map or polynomial, green '
+    + 'two, yellow up to eight triangles, red more, grey deeper than the band, violet left out.',
   'direction.png': 'Errors of directions an eighth of the band inside, whole and close: dark blue none, '
     + 'pale yellow 15 degrees, red more, grey not judged.',
   'error.png': 'Errors of distances, seen from the side of the worst place: dark blue none, pale yellow '
@@ -74,11 +74,13 @@ function showWorst({ verify }, surface) {
 function showKept({ asset, build }) {
   const { octree, spm } = asset;
   const lines = [['form', spm.form], ['support planes', count(spm.planes)],
-    [spm.form === 'full' ? 'distance maps' : 'tiles', count(spm.tiles)],
+    ['distance maps', count(spm.tiles)],
     ['samples in them', count(spm.samples)], ['cells in the band', count(spm.cells)]];
   if (octree) {
-    lines.push(['cubes with one polynomial', count(octree.polynomials)],
-      ['cubes with two', count(octree.pairs_of_polynomials)],
+    lines.push(['cubes with one distance map', count(octree.maps)],
+      ['cubes with two', count(octree.pairs_of_maps)],
+      ['cubes with one polynomial', count(octree.polynomials)],
+      ['cubes with two polynomials', count(octree.pairs_of_polynomials)],
       ['cubes with triangles', count(octree.lists)], ['exact triangles', count(octree.triangles)]);
   }
   if (build?.proof) {

@@ -4,6 +4,8 @@
 #include <numbers>
 
 #include "baker/base/bake_error.hpp"
+#include "baker/charts/chart_heights.hpp"
+#include "baker/charts/plane_charts.hpp"
 #include "baker/field/cube_candidates.hpp"
 #include "baker/field/map_fit.hpp"
 #include "baker/field/map_proof.hpp"
@@ -14,6 +16,7 @@
 #include "common/field/octree_leaves.hpp"
 #include "common/query/query.hpp"
 #include "common/query/query_cursor.hpp"
+#include "formats/asset/chart_words.hpp"
 #include "formats/asset/octree_check.hpp"
 #include "tests/baker/pipeline/bake_support.hpp"
 
@@ -28,9 +31,13 @@ struct Built {
   Caster caster;
   LatticeSurface lattice;
   Caster rounded;
-  std::vector<SupportPlane> planes;
+  std::vector<SupportPlane> planes, map_planes;
+  PlaneCharts charts;
+  ChartHeights heights;
   OctreeRules rules;
   BuiltOctree built;
+  std::vector<SupportPlane> all_planes;
+  std::vector<HeightChart> seen_charts;
   AssetView view;
 
   explicit Built(const test::Shape& shape, std::optional<double> bytes = {})
@@ -38,7 +45,10 @@ struct Built {
         caster(surface),
         lattice(round_to_lattice(surface, caster, {}, tolerance)),
         rounded(lattice.surface),
-        planes(vertex_based_planes(convex_hull(shape.vertices), 8)) {
+        planes(vertex_based_planes(convex_hull(shape.vertices), 8)),
+        map_planes(vertex_based_planes(convex_hull(shape.vertices), 20)),
+        charts(lattice.surface, map_planes, 4e-3),
+        heights(lattice.surface, map_planes, charts, 1e-3, 2) {
     rules.band = {2e-3, 0.5e-3};
     rules.tolerance = tolerance;
     rules.smallest_edge = 5e-4;
@@ -46,9 +56,19 @@ struct Built {
     rules.bytes = bytes;
     rules.direction = 6 * std::numbers::pi / 180;
     ProvenMaps proven;
-    built = build_octree(lattice, rounded, planes, nullptr, rules, proven, {});
+    built = build_octree(lattice, rounded, planes, heights, nullptr, rules, proven, {});
     built.data.add_to(view);
-    view.planes = planes;
+    all_planes = planes;
+    all_planes.insert(all_planes.end(), built.planes.begin(), built.planes.end());
+    for (const ChartData& chart : built.atlas.charts) {
+      REQUIRE(chart_problem(chart, all_planes.size(), built.atlas.width, built.atlas.heights.size())
+                  .empty());
+      seen_charts.push_back(
+          chart_over(chart, all_planes[chart.plane], built.atlas, built.atlas.heights.data()));
+    }
+    view.planes = all_planes;
+    view.charts = seen_charts;
+    view.atlas = built.atlas.heights;
     view.band = rules.band;
     view.tolerance = tolerance;
   }
@@ -270,14 +290,12 @@ struct ProofCounts {
 /// Proves the fits of leaves, and again spoilt so that one of the samples in the band is off by a
 /// hundredth more than is allowed.
 template <class Fit>
-ProofCounts prove_and_spoil(const Built& made, bool pairs, const Fit& fit) {
+ProofCounts prove_and_spoil(const Built& made, const Fit& fit) {
   const FitRules rules{made.planes, made.rules.band, made.built.data.value_unit, 0.9 * tolerance,
                        made.rules.direction};
   ProofCounts counts;
   visit_leaves(made.view.octree, [&](const Leaf& leaf) {
-    const bool pair = leaf.kind == OctreeKind::least || leaf.kind == OctreeKind::most;
-    if (pair != pairs || (!pair && leaf.kind != OctreeKind::polynomial)) return;
-    if (counts.spoilt >= 300) return;
+    if (leaf.kind < OctreeKind::list || counts.spoilt >= 300) return;
     const Cube cube{leaf.middle, leaf.half};
     const double distance = std::abs(made.rounded.closest(cube.middle).distance);
     std::vector<std::uint32_t> near;
@@ -309,7 +327,7 @@ ProofCounts prove_and_spoil(const Built& made, bool pairs, const Fit& fit) {
 
 TEST_CASE("A polynomial that is off by more than the tolerance somewhere is never proven") {
   const Built made(rough(test::sphere(0.01, 4), 1e-3));
-  const ProofCounts counts = prove_and_spoil(made, false, fit_one);
+  const ProofCounts counts = prove_and_spoil(made, fit_one);
   CHECK(counts.proven > 100);
   CHECK(counts.spoilt > 100);
   CHECK(counts.spoilt_and_proven == 0);
@@ -319,7 +337,7 @@ TEST_CASE("Two polynomials that together are off somewhere are never proven") {
   // A lens whose medial axis lies in the band.
   test::Shape lens = test::sphere(0.02, 5);
   for (Vector3& vertex : lens.vertices) vertex[2] *= 0.08;
-  const ProofCounts counts = prove_and_spoil(Built(lens), true, fit_two);
+  const ProofCounts counts = prove_and_spoil(Built(lens), fit_two);
   CHECK(counts.proven > 50);
   CHECK(counts.spoilt > 50);
   CHECK(counts.spoilt_and_proven == 0);
@@ -355,13 +373,36 @@ TEST_CASE("Octrees that share their maps are those that would be built alone") {
     rules.smallest_edge = edge;
     ProvenMaps own;
     const auto build = [&](ProvenMaps& maps) {
-      return build_octree(made.lattice, made.rounded, made.planes, nullptr, rules, maps, {});
+      return build_octree(made.lattice, made.rounded, made.planes, made.heights, nullptr, rules,
+                          maps, {});
     };
     const BuiltOctree shared = build(proven), alone = build(own);
     CHECK(shared.data.units == alone.data.units);
     CHECK(shared.data.lists == alone.data.lists);
     CHECK(shared.data.triangles == alone.data.triangles);
+    CHECK(shared.atlas.heights == alone.atlas.heights);
   }
+}
+
+TEST_CASE("Distance maps answer with the plane that they lie on and a unit normal") {
+  const Built made(test::sphere(0.01, 5));
+  const OctreeCounts& counts = made.built.counts;
+  CHECK(counts.map_volume > 0.1 * counts.answered_volume());
+  std::size_t by_maps = 0;
+  for (std::uint64_t i = 0; i < 5000; ++i) {
+    const Answer answer = query_point(made.view, made.place(i));
+    if (answer.source != Source::map) continue;
+    ++by_maps;
+    REQUIRE(answer.plane >= 8);
+    CHECK(answer.normal.norm() == Approx(1).margin(1e-9));
+  }
+  CHECK(by_maps > 500);
+}
+
+TEST_CASE("Along a crease two distance maps answer, the larger of them outside") {
+  const Built made(test::box({0.02, 0.02, 0.02}));
+  CHECK(made.built.counts.map_pairs + made.built.counts.pairs + made.built.counts.lists > 0);
+  require_right(made, 20000);
 }
 
 TEST_CASE("The words are the same every time") {
@@ -372,6 +413,7 @@ TEST_CASE("The words are the same every time") {
   CHECK(one.built.data.corners == again.built.data.corners);
   CHECK(one.built.data.triangles == again.built.data.triangles);
   CHECK(one.built.data.sides == again.built.data.sides);
+  CHECK(one.built.atlas.heights == again.built.atlas.heights);
 }
 
 }  // namespace spm::baker::octree_test

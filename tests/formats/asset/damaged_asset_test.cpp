@@ -217,11 +217,11 @@ std::vector<Damage> wrong_descriptions() {
   const std::string full = full_bytes();
   const std::string lists = std::to_string(sparse_asset(1).octree.lists.size());
   return {
-      {"a later version", with_header_text(sparse, "\"format_version\":7", "\"format_version\":8"),
-       "format version 8, this program reads 7; a newer spm-bake wrote it, update this one"},
+      {"a later version", with_header_text(sparse, "\"format_version\":8", "\"format_version\":9"),
+       "format version 9, this program reads 8; a newer spm-bake wrote it, update this one"},
       {"the version before",
-       with_header_text(sparse, "\"format_version\":7", "\"format_version\":4"),
-       "format version 4, this program reads 7; an older spm-bake wrote it; bake it again"},
+       with_header_text(sparse, "\"format_version\":8", "\"format_version\":4"),
+       "format version 4, this program reads 8; an older spm-bake wrote it; bake it again"},
       {"tolerance NaN",
        with_header_text(sparse, "\"tolerance\":3.3333333333333335e-05",
                         "\"tolerance\":NaN                   "),
@@ -281,8 +281,16 @@ std::vector<Damage> wrong_content() {
   const std::string one_clip = baked(one_tile);
   constexpr std::uint32_t nan = 0x7FC00000, infinity = 0x7F800000;
   // Heights 162 and 163, the first two of tile 2, lie in one word.
-  const auto heights = flat_word(sparse, "heights", 81);
+  const auto heights = flat_word(sparse, "grid_tile_heights", 81);
   return {
+      {"a map of no plane", with_word(sparse, flat_word(sparse, "grid_maps", 5), 10),
+       "distance map 1 names a plane"},
+      {"a map of no size", with_word(sparse, flat_word(sparse, "grid_maps", 5 + 3), 2),
+       "distance map 1 has a size"},
+      {"a map outside the picture", with_word(sparse, flat_word(sparse, "grid_maps", 5 + 4), 1000),
+       "distance map 1 lies outside"},
+      {"a map of NaN height", with_word(sparse, flat_word(sparse, "heights", 40), nan),
+       "heights that are not numbers"},
       {"a tile of no plane", with_word(sparse, tile(2, 0), 10), "tile 2 names a plane"},
       {"a tile of a level that is not", with_word(sparse, tile(2, 0), 12U << 12U), "tile 2 has"},
       {"a tile with later bits", with_word(sparse, tile(2, 0), 1U << 26U), "tile 2 has bits"},
@@ -321,7 +329,7 @@ TEST_CASE("An asset whose layout was changed is refused, its checksum made right
 
 TEST_CASE("An asset without any one of its parts is refused, and told which one") {
   const std::vector<Damage> cases = missing_parts();
-  CHECK(cases.size() == 14);
+  CHECK(cases.size() == 16);
   check_all_refused(cases);
 }
 

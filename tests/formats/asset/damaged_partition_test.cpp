@@ -103,6 +103,12 @@ std::vector<Damage> wrong_cubes() {
       {"a root that leads outside", with_cubes(root_word(deep, 1), {0, 0}), cut},
       {"a root that leads far outside", with_cubes(root_word(split, 0x0FFFFFFF), {0, 0}), cut},
       {"a polynomial of which half is there", with_cube(polynomial, {0, 0}), cut},
+      {"a map that does not exist", with_cube(OctreeKind::map, {6, 0}),
+       "names a distance map that does not exist"},
+      {"a second map that does not exist", with_cube(OctreeKind::map, {0, 7}),
+       "names a distance map that does not exist"},
+      {"a second map that is none", with_cube(OctreeKind::map, {0, larger_bit}),
+       "names a distance map that does not exist"},
       {"a pair of which half is there", with_cube(OctreeKind::least, {0, 0, 0, 0}), cut},
       {"octants that lead outside", with_cube(split, {1, octant_kinds(far_kind, {{2, deep}})}),
        cut},
@@ -115,7 +121,7 @@ std::vector<Damage> wrong_cubes() {
        with_cubes(root_word(split, 0), chain_of_splits(max_octree_levels + 1, far_kind, far_kind)),
        "a cube of its octree is split too often"},
   };
-  for (const std::uint32_t kind : {2U, 3U, 7U, 9U, 10U, 11U, 14U, 15U}) {
+  for (const std::uint32_t kind : {2U, 3U, 9U, 10U, 11U, 14U, 15U}) {
     const auto unknown = static_cast<OctreeKind>(kind);
     cases.push_back(
         {"a root of kind " + std::to_string(kind), with_cube(unknown, {0, 0}), no_kind});

@@ -151,13 +151,14 @@ TEST_CASE("Each form has the parts of its own partition of space") {
     return found;
   };
   using Names = std::vector<std::string>;
-  CHECK(names(sparse_asset(6)) == Names{"heights", "grid_roots", "grid_cubes", "grid_lists",
-                                        "grid_tiles", "grid_masks", "triangles",
-                                        "triangles_corners", "triangles_sides"});
+  CHECK(names(sparse_asset(6)) == Names{"heights", "grid_tile_heights", "grid_roots", "grid_cubes",
+                                        "grid_lists", "grid_maps", "grid_tiles", "grid_masks",
+                                        "triangles", "triangles_corners", "triangles_sides"});
   CHECK(names(full_asset(6, {2, 2})) ==
         Names{"heights02", "grid_index", "grid_records", "grid_masks", "triangles"});
   // What would be empty is left out: here all but the cubes.
-  CHECK(names(sparse_asset(6, {.tiles = 0, .triangles = 0})) == Names{"grid_roots", "grid_cubes"});
+  CHECK(names(sparse_asset(6, {.tiles = 0, .charts = 0, .triangles = 0})) ==
+        Names{"grid_roots", "grid_cubes"});
 }
 
 TEST_CASE("Tiles are kept where they are asked for, and no answer needs them") {
@@ -169,9 +170,10 @@ TEST_CASE("Tiles are kept where they are asked for, and no answer needs them") {
   CHECK(shown->view().tiles.size() == 100);
   CHECK((*lean)->view().tiles.empty());
   check_same_octree(asset.octree, (*lean)->view());
-  // Answers come from the file, and from the table of planes that opening adds.
+  // Answers come from the file, and from the tables of planes and maps that opening adds.
   CHECK((*lean)->resident_bytes() >= (*lean)->bytes().total + 10 * sizeof(SupportPlane));
-  CHECK((*lean)->resident_bytes() <= (*lean)->bytes().total + 16 * sizeof(SupportPlane) + 64);
+  CHECK((*lean)->resident_bytes() <= (*lean)->bytes().total + 16 * sizeof(SupportPlane) +
+                                         asset.atlas.charts.size() * sizeof(HeightChart) + 64);
   CHECK((*shown).resident_bytes() >= (*lean)->resident_bytes() + 100 * sizeof(Tile));
 }
 
@@ -282,7 +284,7 @@ TEST_CASE("Every sample lies where the layout of an uncompressed tiled EXR puts 
   }
 }
 
-TEST_CASE("A sparse asset keeps the heights of a tile contiguous, row by row") {
+TEST_CASE("A sparse asset keeps the heights of its maps as one picture of metres") {
   const TemporaryFolder folder;
   const Asset asset = sparse_asset(8);
   const std::string path = folder.path("a.spm.exr");
@@ -290,6 +292,31 @@ TEST_CASE("A sparse asset keeps the heights of a tile contiguous, row by row") {
   const std::string bytes = read_bytes(path);
   const HandPart part = read_by_hand(bytes).parts.at(0);
   CHECK(part.name() == "heights");
+  CHECK(part.sample_bytes == 4);
+  CHECK(part.tile_width == asset.atlas.width);
+  REQUIRE(part.table.size() == 1);
+  CHECK(std::memcmp(bytes.data() + part.table[0] + 24, asset.atlas.heights.data(),
+                    4 * asset.atlas.heights.size()) == 0);
+  REQUIRE(opened->view().charts.size() == asset.atlas.charts.size());
+  const AssetTables tables = tables_of(asset);
+  for (std::size_t k = 0; k < asset.atlas.charts.size(); ++k) {
+    const HeightChart &read = opened->view().charts[k], &known = tables.view().charts[k];
+    CHECK(read.plane == known.plane);
+    CHECK(read.column.at({1, 2, 3}) == known.column.at({1, 2, 3}));
+    CHECK(read.row.at({1, 2, 3}) == known.row.at({1, 2, 3}));
+    CHECK(read.depth.at({1, 2, 3}) == known.depth.at({1, 2, 3}));
+    CHECK(read.heights[1] == known.heights[1]);
+  }
+}
+
+TEST_CASE("A sparse asset keeps the heights of a tile contiguous, row by row") {
+  const TemporaryFolder folder;
+  const Asset asset = sparse_asset(8);
+  const std::string path = folder.path("a.spm.exr");
+  const auto opened = written_and_opened(asset, path);
+  const std::string bytes = read_bytes(path);
+  const HandPart part = read_by_hand(bytes).parts.at(1);
+  CHECK(part.name() == "grid_tile_heights");
   CHECK(part.sample_bytes == 2);
   CHECK(part.tile_width == 9);
   const std::size_t strip = part.tile_height / 9;

@@ -110,14 +110,32 @@ TEST_CASE("OpenEXR's reader gives the samples that were baked") {
   }
 }
 
-TEST_CASE("OpenEXR's reader gives the HALF heights that were baked") {
-  const Asset asset = sparse_asset(1);
+TEST_CASE("OpenEXR's reader gives the picture of the distance maps that was baked") {
+  const AtlasData atlas = sparse_asset(1).atlas;
   Imf::MultiPartInputFile file(both_forms().path("sparse.exr").c_str());
   REQUIRE(file.header(0).name() == "heights");
   const Imf::Channel* channel = file.header(0).channels().findChannel("Y");
   REQUIRE(channel != nullptr);
-  CHECK(channel->type == Imf::HALF);
+  CHECK(channel->type == Imf::FLOAT);
   Imf::TiledInputPart tiles(file, 0);
+  REQUIRE(tiles.tileXSize() == atlas.width);
+  std::vector<float> read(atlas.heights.size());
+  Imf::FrameBuffer buffer;
+  buffer.insert("Y", Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(read.data()), sizeof(float),
+                                sizeof(float) * atlas.width));
+  tiles.setFrameBuffer(buffer);
+  tiles.readTile(0, 0);
+  CHECK(read == atlas.heights);
+}
+
+TEST_CASE("OpenEXR's reader gives the HALF heights that were baked") {
+  const Asset asset = sparse_asset(1);
+  Imf::MultiPartInputFile file(both_forms().path("sparse.exr").c_str());
+  REQUIRE(file.header(1).name() == "grid_tile_heights");
+  const Imf::Channel* channel = file.header(1).channels().findChannel("Y");
+  REQUIRE(channel != nullptr);
+  CHECK(channel->type == Imf::HALF);
+  Imf::TiledInputPart tiles(file, 1);
   const auto strip = tiles.tileYSize() / tile_samples;
   for (std::size_t k = 0; k < asset.tiles.size(); ++k) {
     std::vector<half> read(std::size_t{strip} * tile_sample_count);

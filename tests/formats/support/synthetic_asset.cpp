@@ -203,7 +203,9 @@ Asset sparse_asset(std::uint64_t seed, const SparseShape& shape) {
   for (std::uint32_t k = 0; k < shape.tiles; ++k) {
     asset.tiles.push_back(random_tile(random, shape.planes));
   }
-  asset.octree = random_octree(random, shape.planes, shape.triangles);
+  asset.atlas = random_atlas(random, shape.planes, shape.charts);
+  asset.octree = random_octree(
+      random, shape.planes, static_cast<std::uint32_t>(asset.atlas.charts.size()), shape.triangles);
   round_to_stored(asset);
   return asset;
 }

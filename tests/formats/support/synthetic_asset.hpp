@@ -34,12 +34,14 @@ class TemporaryFolder {
 struct SparseShape {
   std::uint32_t planes = 10;
   std::uint32_t tiles = 100;
+  std::uint32_t charts = 6;
   std::uint32_t triangles = 20;
 };
 
 /// Assets with random content that is consistent: no object has this shape, but every part of the
-/// format is used, and queries in the box find polynomials and triangles. The octree has cubes of
-/// all kinds, up to four levels below its roots; the last quarter of the triangles are of sheets.
+/// format is used, and queries in the box find maps, polynomials and triangles. The octree has
+/// cubes of all kinds, up to four levels below its roots; the last quarter of the triangles are of
+/// sheets.
 [[nodiscard]] Asset sparse_asset(std::uint64_t seed, const SparseShape& shape = {});
 
 /// One map per plane; the map of plane k has layers[k] layers. Cells share lists, and splits are

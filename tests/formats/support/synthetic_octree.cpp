@@ -19,9 +19,10 @@ namespace {
 /// triangles none of whose corners lies in a far or deep cube.
 class OctreeMaker {
  public:
-  OctreeMaker(Random& random, std::uint32_t planes, std::uint32_t triangles)
+  OctreeMaker(Random& random, std::uint32_t planes, std::uint32_t charts, std::uint32_t triangles)
       : random_(random),
         planes_(planes),
+        charts_(charts),
         surface_(triangles - triangles / 4),
         sheets_(triangles / 4) {
     octree.origin = Vector3(-0.04, -0.04, -0.03);
@@ -40,16 +41,19 @@ class OctreeMaker {
 
  private:
   Random& random_;
-  std::uint32_t planes_;
+  std::uint32_t planes_, charts_;
   std::uint32_t surface_, sheets_;  ///< triangles
 
   OctreeKind random_kind() {
     constexpr std::array kinds{OctreeKind::far,        OctreeKind::pruned, OctreeKind::deep,
                                OctreeKind::list,       OctreeKind::list,   OctreeKind::polynomial,
-                               OctreeKind::polynomial, OctreeKind::least,  OctreeKind::most};
+                               OctreeKind::polynomial, OctreeKind::least,  OctreeKind::most,
+                               OctreeKind::map,        OctreeKind::map};
     const OctreeKind kind = kinds[below(random_, kinds.size())];
     const bool map = units_of(kind) > 1;
-    const bool missing = kind == OctreeKind::list ? surface_ == 0 : map && planes_ == 0;
+    const bool missing = kind == OctreeKind::list  ? surface_ == 0
+                         : kind == OctreeKind::map ? charts_ == 0
+                                                   : map && planes_ == 0;
     return missing ? OctreeKind::pruned : kind;
   }
 
@@ -74,6 +78,11 @@ class OctreeMaker {
     } else if (kind == OctreeKind::list) {
       const auto list = random_list();
       words.assign(list.begin(), list.end());
+    } else if (kind == OctreeKind::map) {
+      words = {below(random_, charts_), 0};
+      if (below(random_, 2) == 0) {
+        words[1] = (1 + below(random_, charts_)) | (below(random_, 2) == 0 ? larger_bit : 0U);
+      }
     } else if (kind == OctreeKind::deep) {
       words = {pack_octahedral(random_.direction()), 0};
     } else {
@@ -160,8 +169,32 @@ class OctreeMaker {
 
 }  // namespace
 
-OctreeData random_octree(Random& random, std::uint32_t planes, std::uint32_t triangles) {
-  return OctreeMaker(random, planes, triangles).octree;
+OctreeData random_octree(Random& random, std::uint32_t planes, std::uint32_t charts,
+                         std::uint32_t triangles) {
+  return OctreeMaker(random, planes, charts, triangles).octree;
+}
+
+AtlasData random_atlas(Random& random, std::uint32_t planes, std::uint32_t charts) {
+  constexpr std::uint32_t side = 9, across = 4;
+  AtlasData atlas;
+  if (planes == 0 || charts == 0) return atlas;
+  atlas.spacing = 0.03;
+  atlas.width = side * across;
+  // One more row, since one more height may be read behind the last.
+  const std::uint32_t rows = side * ((charts + across - 1) / across) + 1;
+  for (std::uint32_t k = 0; k < atlas.width * rows; ++k) {
+    atlas.heights.push_back(static_cast<float>(random.between(0, 0.02)));
+  }
+  for (std::uint32_t k = 0; k < charts; ++k) {
+    ChartData& chart = atlas.charts.emplace_back();
+    chart.plane = below(random, planes);
+    chart.level = below(random, 2);
+    chart.column0 = -static_cast<std::int32_t>(side / 2);
+    chart.row0 = -static_cast<std::int32_t>(side / 2);
+    chart.columns = chart.rows = side;
+    chart.first = k / across * side * atlas.width + k % across * side;
+  }
+  return atlas;
 }
 
 }  // namespace spm::test

@@ -10,8 +10,12 @@ namespace spm::test {
 
 /// An octree of random content that is consistent, with cubes of all kinds, and this
 /// many triangles, the last quarter of which are of sheets. Its polynomials are in the frames of so
-/// many planes; where there are none, or no triangles, what needs them is left out.
-[[nodiscard]] OctreeData random_octree(Random& random, std::uint32_t planes,
+/// many planes, its maps of so many charts; where there are none, or no triangles, what needs them
+/// is left out.
+[[nodiscard]] OctreeData random_octree(Random& random, std::uint32_t planes, std::uint32_t charts,
                                        std::uint32_t triangles);
+
+/// So many charts side by side, of random planes and heights; none where there are no planes.
+[[nodiscard]] AtlasData random_atlas(Random& random, std::uint32_t planes, std::uint32_t charts);
 
 }  // namespace spm::test

@@ -1,0 +1,152 @@
+// SPDX-License-Identifier: Apache-2.0
+#pragma once
+
+#include <cmath>
+#include <cstdint>
+#include <cstring>
+
+#include "common/base/vector.hpp"
+
+namespace spm {
+
+/// A chart of a `sparse` asset: the distance map (eq. 2) of one connected piece of the surface, as
+/// one support plane sees it. A view that owns nothing.
+///
+/// The height of column i and row j belongs to the plane's point (eq. 1) at eta = (column0 + i)
+/// spacing, omega = (row0 + j) spacing: metres below the plane, FLOAT samples that are read in
+/// place. They are the coefficients of a biquadratic B-spline, which is D_SP.
+struct alignas(64) HeightChart {
+  /// A function that is linear in space: the scalar product with a place, and a number.
+  struct Linear {
+    double x = 0, y = 0, z = 0, at_origin = 0;
+    [[nodiscard]] double at(const Vector3& place) const noexcept {
+      return x * place[0] + y * place[1] + z * place[2] + at_origin;
+    }
+  };
+  Linear column, row;                   ///< of P_M, in spacings from the first height
+  Linear depth;                         ///< S_SP, m
+  const float* heights = nullptr;       ///< the first; one more may be read behind the last
+  std::uint32_t stride = 0;             ///< from one row to the next
+  std::uint32_t columns = 0, rows = 0;  ///< 3 or more
+  std::uint32_t plane = 0;              ///< row of the plane table
+};
+
+/// What a distance map tells of a place.
+struct MapContact {
+  double penetration = 0;            ///< S_SP - D_SP(P_M), m: eq. 3
+  Vector3 normal = Vector3::Zero();  ///< n_S, not normalised: eq. 5
+};
+
+namespace height_chart {
+
+using Four = float __attribute__((vector_size(16)));
+
+/// The four heights from there on, less one of them, which keeps what follows as exact as floats
+/// can.
+[[nodiscard]] inline Four load(const float* at, float less) noexcept {
+  Four four;
+  std::memcpy(&four, at, sizeof four);
+  return four - less;
+}
+
+/// Weights of three heights in a row for the value between them, and for the derivative by column
+/// or row, at `t` from the middle one, in [-0.5, 0.5].
+struct Weights {
+  float before = 0, middle = 0, after = 0, d_before = 0, d_middle = 0, d_after = 0;
+  Weights() = default;
+  explicit Weights(float t) noexcept
+      : before(0.5F * (0.5F - t) * (0.5F - t)),
+        middle(0.75F - t * t),
+        after(0.5F * (0.5F + t) * (0.5F + t)),
+        d_before(t - 0.5F),
+        d_middle(-2 * t),
+        d_after(t + 0.5F) {}
+};
+
+[[nodiscard]] inline float sum(Four x) noexcept { return (x[0] + x[1]) + x[2]; }
+
+}  // namespace height_chart
+
+/// The nine heights about a place's projection, and where that lies between them.
+struct HeightStencil {
+  float height = 0;  ///< the one in the middle, m
+  /// Rows of all less that; the fourth lane does not count.
+  height_chart::Four before{}, middle{}, after{};
+  height_chart::Weights across, along;
+};
+
+/// The stencil of a place. False where its projection P_M is not on the chart.
+[[nodiscard]] inline bool stencil_at(const HeightChart& chart, const Vector3& place,
+                                     HeightStencil& stencil) noexcept {
+  const double column = chart.column.at(place) + 0.5, row = chart.row.at(place) + 0.5;
+  // Written so that NaN is not on it.
+  if (!(column >= 1 && row >= 1 && column < chart.columns - 1 && row < chart.rows - 1))
+    return false;
+  const auto i = static_cast<std::int32_t>(column), j = static_cast<std::int32_t>(row);
+  const float* first = chart.heights + static_cast<std::size_t>(j - 1) * chart.stride +
+                       static_cast<std::size_t>(i - 1);
+  stencil.height = first[chart.stride + 1];
+  stencil.before = height_chart::load(first, stencil.height);
+  stencil.middle = height_chart::load(first + chart.stride, stencil.height);
+  stencil.after = height_chart::load(first + 2 * std::size_t{chart.stride}, stencil.height);
+  stencil.across = height_chart::Weights(static_cast<float>(column - i - 0.5));
+  stencil.along = height_chart::Weights(static_cast<float>(row - j - 0.5));
+  return true;
+}
+
+/// Eq. 3 to 5 on a chart. False where the place's projection P_M is not on it.
+[[nodiscard]] inline bool contact_on(const HeightChart& chart, const Vector3& place,
+                                     MapContact& contact) noexcept {
+  using height_chart::Four;
+  HeightStencil at;
+  if (!stencil_at(chart, place, at)) return false;
+  const Four values =
+      at.along.before * at.before + at.along.middle * at.middle + at.along.after * at.after;
+  const Four slopes =
+      at.along.d_before * at.before + at.along.d_middle * at.middle + at.along.d_after * at.after;
+  const Four weights{at.across.before, at.across.middle, at.across.after, 0};
+  const Four d_weights{at.across.d_before, at.across.d_middle, at.across.d_after, 0};
+  const double height =
+      static_cast<double>(at.height) + static_cast<double>(height_chart::sum(values * weights));
+  const auto by_column = static_cast<double>(height_chart::sum(values * d_weights));
+  const auto by_row = static_cast<double>(height_chart::sum(slopes * weights));
+  contact.penetration = chart.depth.at(place) - height;
+  contact.normal = {by_column * chart.column.x + by_row * chart.row.x - chart.depth.x,
+                    by_column * chart.column.y + by_row * chart.row.y - chart.depth.y,
+                    by_column * chart.column.z + by_row * chart.row.z - chart.depth.z};
+  return true;
+}
+
+/// 1/m: the trace of the second derivatives of the signed distance that a chart tells, at the
+/// surface over a place; 0 where its projection is not on the chart.
+[[nodiscard]] inline double bend_on(const HeightChart& chart, const Vector3& place) noexcept {
+  using height_chart::Four;
+  HeightStencil at;
+  MapContact contact;
+  if (!stencil_at(chart, place, at) || !contact_on(chart, place, contact)) return 0;
+  const Four values =
+      at.along.before * at.before + at.along.middle * at.middle + at.along.after * at.after;
+  const Four slopes =
+      at.along.d_before * at.before + at.along.d_middle * at.middle + at.along.d_after * at.after;
+  const Four bends = at.before - 2 * at.middle + at.after;
+  const Four weights{at.across.before, at.across.middle, at.across.after, 0};
+  const Four d_weights{at.across.d_before, at.across.d_middle, at.across.d_after, 0};
+  const Vector3 u(chart.column.x, chart.column.y, chart.column.z);
+  const Vector3 v(chart.row.x, chart.row.y, chart.row.z);
+  const double per_square = u.squaredNorm();  // of a spacing
+  const double by_eta_eta = per_square * static_cast<double>(values[0] - 2 * values[1] + values[2]);
+  const double by_omega_omega =
+      per_square * static_cast<double>(height_chart::sum(bends * weights));
+  const double by_eta_omega =
+      per_square * static_cast<double>(height_chart::sum(slopes * d_weights));
+  // n_S along u and v is the slope of D_SP.
+  const double spacings = std::sqrt(per_square);
+  const double eta = contact.normal.dot(u) / spacings, omega = contact.normal.dot(v) / spacings;
+  const double per = 1 / contact.normal.norm();
+  return per * (by_eta_eta + by_omega_omega) -
+         2 * per * per * per *
+             (eta * eta * by_eta_eta + 2 * eta * omega * by_eta_omega +
+              omega * omega * by_omega_omega);
+}
+
+}  // namespace spm
