@@ -79,7 +79,7 @@ constexpr double most_direction = std::numbers::pi / 4;
 void check(const CLI::App& command, const BuildRequest& request) {
   const BakeOptions& bake = request.bake;
   if (bake.form == AssetForm::sparse) {
-    for (const char* option : {"--kind", "--planes", "--resolution", "--layers"}) {
+    for (const char* option : {"--kind", "--planes", "--resolution", "--layers", "--smooth-maps"}) {
       if (command.count(option) > 0)
         refuse(option, "belongs to --form full; add that or leave it out");
     }
@@ -162,6 +162,16 @@ void add_full_options(CLI::App& command, BakeOptions& bake) {
       "crossings kept along a ray: all, the first, or at most N, 1 to 255 (default auto: all)",
       "auto|scalar|N")
       ->group(group);
+  cli::add_parsed(
+      command, "--smooth-maps",
+      [&bake](const std::string& text) -> Result<void> {
+        return parse_smoothing(text).map(
+            [&](const SmoothOptions& read) { bake.smooth_maps = read; });
+      },
+      "filter the distance maps (eq. 16): with a Gaussian of SIGMA, or one that keeps edges that "
+      "turn by more than ANGLE (default none)",
+      "none|gaussian:SIGMA|crease:ANGLE")
+      ->group(group);
 }
 
 }  // namespace
@@ -218,11 +228,11 @@ void add_build_options(CLI::App& command, BuildRequest& request) {
   add_cut_options(command, request.limits);
   add_full_options(command, bake);
   cli::add_parsed(
-      command, "--smooth",
+      command, "--smooth,--smooth-mesh",
       [&bake](const std::string& text) -> Result<void> {
         return parse_smoothing(text).map([&](const SmoothOptions& read) { bake.smooth = read; });
       },
-      "smooth the surface first: with a Gaussian of SIGMA, or all but edges that turn by more than "
+      "smooth the mesh first: with a Gaussian of SIGMA, or all but edges that turn by more than "
       "ANGLE; the tolerance is then to the smoothed surface (default none)",
       "none|gaussian:SIGMA|crease:ANGLE");
   cli::add_parsed(

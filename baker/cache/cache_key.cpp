@@ -49,6 +49,9 @@ CacheKey cache_key(const BuildRequest& request, const std::string& mesh_sha256) 
   parts["smooth"] = static_cast<int>(bake.smooth.kind);
   parts["smooth_sigma"] = bake.smooth.sigma;
   parts["smooth_angle"] = bake.smooth.angle;
+  parts["smooth_maps"] = static_cast<int>(bake.smooth_maps.kind);
+  parts["smooth_maps_sigma"] = bake.smooth_maps.sigma;
+  parts["smooth_maps_angle"] = bake.smooth_maps.angle;
   parts["seed"] = bake.seed;
   parts["allow_inexact"] = request.allow_inexact;
   parts["fail_on"] = request.fail_on;

@@ -29,7 +29,8 @@ struct BakeOptions {
   std::uint32_t resolution = 65;      ///< full only: samples a side of each map, 2 to 4097
   Layers layers = Layers::automatic;
   std::uint32_t layer_limit = 0;  ///< with Layers::limited, 1 to 255
-  SmoothOptions smooth;
+  SmoothOptions smooth;           ///< of the mesh, before anything else
+  SmoothOptions smooth_maps;      ///< full only: of the distance maps
   /// sparse only, rad: how far directions may be off, see OctreeRules; 4 degrees.
   double direction_tolerance = 4 * std::numbers::pi / 180;
   /// The most bytes of a `sparse` file; empty where the bake decides what is worth it.

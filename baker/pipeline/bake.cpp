@@ -12,6 +12,7 @@
 #include "baker/base/stopwatch.hpp"
 #include "baker/cast/cast.hpp"
 #include "baker/full/full.hpp"
+#include "baker/full/map_filter.hpp"
 #include "baker/full/partition.hpp"
 #include "baker/pipeline/sparse.hpp"
 #include "baker/planes/hull.hpp"
@@ -75,6 +76,9 @@ std::string options_json(const Mesh& mesh, const BakeOptions& options,
     json["planes"] =
         options.planes ? nlohmann::ordered_json(*options.planes) : nlohmann::ordered_json();
     json["resolution"] = options.resolution;
+    if (options.smooth_maps.kind != Smoothing::none) {
+      json["smooth_maps"] = smoothing_json(fitted_to(options.smooth_maps, metadata.diagonal));
+    }
     json["layers"] =
         options.layers == Layers::automatic
             ? nlohmann::ordered_json("auto")
@@ -150,6 +154,11 @@ void bake_full(BakeResult& result, const Caster& caster, const Hull& hull,
       asset, caster, full_aim_share * asset.metadata.diagonal, options.seed, progress);
   result.report.seconds_fit += seconds_since(partitioning);
   result.report.stages.end("partition");
+  // Behind the partition, which tries maps against the surface.
+  if (options.smooth_maps.kind != Smoothing::none) {
+    filter_maps(asset.maps, fitted_to(options.smooth_maps, asset.metadata.diagonal));
+    result.report.stages.end("smooth_maps");
+  }
   for (const MapData& map : asset.maps) result.report.samples += map.samples.size();
   result.report.record_cells = partition.records;
   result.report.fallback_cells = partition.fallback;
