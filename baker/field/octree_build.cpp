@@ -155,7 +155,8 @@ class Builder {
   void answer(OctreeNode& node, const Candidates& candidates, std::optional<bool> inside,
               int level) const {
     Samples samples;
-    if (fits(node, candidates, inside, level == rules_.levels || node.few, samples)) return;
+    if (fits(node, candidates, inside, level == rules_.levels || node.few || !rules_.maps, samples))
+      return;
     if (level == rules_.levels || node.few) {
       Candidates least = nearest_in_parts(surface_, candidates, node.cube, 1);
       // Another packet takes as long as a first one.
@@ -270,7 +271,7 @@ class Builder {
                                                   const Cube& cube,
                                                   std::optional<bool> inside) const {
     // Charts are of solids.
-    if (!candidates.sheets.triangles.empty()) return std::nullopt;
+    if (!rules_.maps || !candidates.sheets.triangles.empty()) return std::nullopt;
     for (const auto& find : {find_one_chart, find_two_charts}) {
       const std::optional<FittedCharts> found = find(samples, cube, charts_);
       if (!found) continue;

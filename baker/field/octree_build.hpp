@@ -25,7 +25,8 @@ struct OctreeRules {
   double smallest_edge = 0;     ///< m: cubes are divided down to this
   int levels = 3;               ///< from the roots to the smallest cubes
   double direction = 0;         ///< rad: directions in a cube are off by at most this in the mean
-  std::optional<double> bytes;  ///< that octree and triangles may take at most
+  std::optional<double> bytes;  ///< that octree, maps and triangles may take at most
+  bool maps = true;             ///< whether maps may answer; polynomials do in their place
 };
 
 struct OctreeCounts {

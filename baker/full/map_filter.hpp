@@ -12,8 +12,8 @@ namespace spm::baker {
 /// samples that are joined to the one that is filtered by no step steeper than a surface that a
 /// map sees. With `crease` the filter keeps edges: samples count only where the surface's normal
 /// (eq. 5) turns by no more than the angle from that of the filtered one. Samples that met nothing
-/// stay so. Where a window is cut off, its samples' own plane counts and not their mean, so that what
-/// leans stays where it is. `options` has a sigma. The same for any number of threads.
+/// stay so. Where a window is cut off, its samples' own plane counts and not their mean, so that
+/// what leans stays where it is. `options` has a sigma. The same for any number of threads.
 void filter_maps(std::vector<MapData>& maps, const SmoothOptions& options);
 
 }  // namespace spm::baker

@@ -10,6 +10,7 @@
 #include <optional>
 #include <vector>
 
+#include "baker/base/bake_error.hpp"
 #include "baker/base/stopwatch.hpp"
 #include "baker/charts/chart_heights.hpp"
 #include "baker/charts/plane_charts.hpp"
@@ -224,12 +225,24 @@ void bake_sparse(BakeResult& result, const OuterSurface& surface, const Caster& 
   report.stages.end("charts");
   std::optional<BuiltOctree> built;
   ProvenMaps proven;
+  const auto build = [&](double edge, bool maps, ProvenMaps& cubes) {
+    OctreeRules rules = rules_for(options, asset, caster, tolerance, edge);
+    rules.maps = maps;
+    return build_octree(lattice, rounded, asset.planes, heights,
+                        reachability.cuts() ? &reachability : nullptr, rules, cubes, progress);
+  };
   const auto try_edge = [&](double edge) {
-    BuiltOctree next = build_octree(
-        lattice, rounded, asset.planes, heights, reachability.cuts() ? &reachability : nullptr,
-        rules_for(options, asset, caster, tolerance, edge), proven, progress);
-    if (!built ||
-        std::pair(next.untold, next.counts.bytes) < std::pair(built->untold, built->counts.bytes)) {
+    std::optional<BuiltOctree> next;
+    try {
+      next = build(edge, true, proven);
+    } catch (const BakeError& error) {
+      // Heights take bytes that few places share; polynomials alone may take fewer.
+      if (!options.max_bytes || error.code() != ExitCode::tolerance_not_met) throw;
+      ProvenMaps alone;
+      next = build(edge, false, alone);
+    }
+    if (!built || std::pair(next->untold, next->counts.bytes) <
+                      std::pair(built->untold, built->counts.bytes)) {
       built = std::move(next);
     }
   };

@@ -92,6 +92,30 @@ TEST_CASE("A coarser tolerance costs no more bytes") {
   }
 }
 
+TEST_CASE("Where maps take more bytes than there are, polynomials answer alone") {
+  test::Shape uneven = test::sphere(0.015, 4);
+  for (std::uint64_t i = 0; i < uneven.vertices.size(); ++i) {
+    uneven.vertices[i] *= 1 + 5e-3 * random_unit(3, i);
+  }
+  const Mesh mesh = test::mesh_of(uneven);
+  BakeOptions options;
+  options.tolerance = 100e-6;
+  const Asset usual = bake(mesh, options).asset;
+  REQUIRE_FALSE(usual.atlas.charts.empty());
+  bool alone = false;
+  for (const double share : {0.95, 0.9, 0.85, 0.8, 0.75, 0.7}) {
+    options.max_bytes = static_cast<std::uint64_t>(share * bytes_of(usual));
+    try {
+      const Asset fewer = bake(mesh, options).asset;
+      CHECK(bytes_of(fewer) < bytes_of(usual));
+      alone = alone || fewer.atlas.charts.empty();
+    } catch (const BakeError& error) {
+      CHECK(error.code() == ExitCode::tolerance_not_met);
+    }
+  }
+  CHECK(alone);
+}
+
 TEST_CASE("A full map covers its plane's own region") {
   const Mesh mesh = test::mesh_of(test::torus(0.025, 0.0095, 40, 20));
   const Asset asset = bake(mesh, full(60)).asset;
