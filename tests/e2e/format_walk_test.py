@@ -1,0 +1,157 @@
+#!/usr/bin/env python3
+# SPDX-License-Identifier: Apache-2.0
+"""The baked file read by what FORMAT.md says alone: a reader in plain Python walks from a place to its
+leaf, to the distance map that the leaf names, and on by eq. 1 to 5, and finds what spm-bake tells."""
+
+import csv
+import json
+import math
+import random
+import struct
+import unittest
+
+from programs import Case, generate, run
+
+MAP, SPLIT = 7, 5
+LARGER = 1 << 31
+
+
+def dot(a, b):
+    return sum(x * y for x, y in zip(a, b))
+
+
+def text_at(data, at):
+    end = data.index(b"\0", at)
+    return data[at:end].decode(), end + 1
+
+
+class Exr:
+    """Parts of an uncompressed EXR of 32-bit samples, each of one tile."""
+
+    def __init__(self, path):
+        with open(path, "rb") as file:
+            self.data = file.read()
+        at, self.parts, self.text = 8, {}, None
+        headers = []
+        while self.data[at]:
+            header = {}
+            while self.data[at]:
+                name, at = text_at(self.data, at)
+                _, at = text_at(self.data, at)
+                size, = struct.unpack_from("<i", self.data, at)
+                header[name] = self.data[at + 4:at + 4 + size]
+                at += 4 + size
+            headers.append(header)
+            at += 1
+        at += 1
+        self.description = json.loads(headers[0]["spm"])
+        for header in headers:
+            self.parts[header["name"].decode()] = struct.unpack_from("<Q", self.data, at)[0]
+            at += 8 * struct.unpack("<i", header["chunkCount"])[0]
+
+    def samples(self, part, letter):
+        at = self.parts[part]
+        size, = struct.unpack_from("<i", self.data, at + 20)
+        return struct.unpack_from(f"<{size // 4}{letter}", self.data, at + 24)
+
+
+class Reader:
+    def __init__(self, path):
+        exr = Exr(path)
+        self.octree, self.atlas = exr.description["octree"], exr.description["atlas"]
+        self.planes = exr.description["planes"]
+        self.heights, self.maps = exr.samples("heights", "f"), exr.samples("grid_maps", "I")
+        self.roots, self.cubes = exr.samples("grid_roots", "I"), exr.samples("grid_cubes", "I")
+
+    def leaf(self, place):
+        """Kind and first unit of the cube around a place."""
+        at = [(x - low) / self.octree["edge"] for x, low in zip(place, self.octree["origin"])]
+        counts = self.octree["roots"]
+        if any(not 0 <= x < count for x, count in zip(at, counts)):
+            return 0, 0
+        root = [int(x) for x in at]
+        word = self.roots[root[0] + counts[0] * (root[1] + counts[1] * root[2])]
+        kind, unit, within = word & 15, word >> 4, [x - int(x) for x in at]
+        while kind == SPLIT:
+            first, word = self.cubes[2 * unit:2 * unit + 2]
+            within = [2 * x for x in within]
+            octant = sum(int(x) << k for k, x in enumerate(within))
+            within = [x - int(x) for x in within]
+            kinds = [word >> 4 * k & 15 for k in range(8)]
+            kind = kinds[octant]
+            # Two top bits of a kind: how many units, 4 of the largest.
+            unit = first + sum((k >> 2) + (k >> 2 == 3) for k in kinds[:octant])
+        return kind, unit
+
+    def on_map(self, number, place):
+        """Signed distance and unit normal by eq. 1 to 5."""
+        words = self.maps[5 * number:5 * number + 5]
+        plane = self.planes[words[0] & 0xFFFF]
+        spacing = self.atlas["spacing"] / 2 ** (words[0] >> 16)
+        column0, row0 = ((x ^ LARGER) - LARGER for x in words[1:3])
+        x0, u, v, n = (plane[key] for key in ("x0", "u", "v", "n"))
+        offset = [a - b for a, b in zip(place, x0)]
+        eta, omega, s_sp = dot(u, offset), dot(v, offset), -dot(n, offset)
+        column, row = eta / spacing - column0, omega / spacing - row0
+        i, j = int(column + 0.5), int(row + 0.5)
+        first = words[4] + (j - 1) * self.atlas["width"] + i - 1
+        rows = [first + k * self.atlas["width"] for k in range(3)]
+        window = [self.heights[start:start + 3] for start in rows]
+
+        def weights(t):
+            return (0.5 - t) ** 2 / 2, 0.75 - t * t, (0.5 + t) ** 2 / 2
+
+        def slopes(t):
+            return t - 0.5, -2 * t, t + 0.5
+
+        def spline(across, along):
+            return sum(along[k] * dot(window[k], across) for k in range(3))
+
+        d_sp = spline(weights(column - i), weights(row - j))
+        by_eta = spline(slopes(column - i), weights(row - j)) / spacing
+        by_omega = spline(weights(column - i), slopes(row - j)) / spacing
+        normal = [n[k] + by_eta * u[k] + by_omega * v[k] for k in range(3)]
+        length = math.sqrt(dot(normal, normal))
+        return (d_sp - s_sp) / length, [x / length for x in normal]
+
+    def answer(self, place):
+        """None where no distance map answers."""
+        kind, unit = self.leaf(place)
+        if kind != MAP:
+            return None
+        first, second = self.cubes[2 * unit:2 * unit + 2]
+        found = [self.on_map(first, place)]
+        if second:
+            found.append(self.on_map((second & ~LARGER) - 1, place))
+        return (max if second & LARGER else min)(found)
+
+
+class FormatWalk(Case):
+    def test_a_reader_of_the_format_s_page_finds_what_the_program_tells(self):
+        generate(self.folder, "demo")
+        asset = self.path("demo.spm.exr")
+        baked = run("build", self.path("demo.obj"), "-o", asset, "--tolerance", "100um", "--unit", "m",
+                    "--quiet")
+        self.assertEqual(baked.returncode, 0, baked.stderr)
+        with open(self.path("demo.obj"), encoding="ascii") as file:
+            corners = [tuple(map(float, line.split()[1:4])) for line in file if line.startswith("v ")]
+        draw = random.Random(5)
+        places = [[x + draw.uniform(-1e-3, 5e-4) for x in draw.choice(corners)] for _ in range(8000)]
+        points = self.write("points.txt", "".join(" ".join(map(repr, place)) + "\n" for place in places))
+        told = run("query", asset, "--points", points, "-o", self.path("told.csv"), "--quiet")
+        self.assertEqual(told.returncode, 0, told.stderr)
+        with open(self.path("told.csv"), newline="", encoding="ascii") as file:
+            rows = list(csv.DictReader(file))
+        reader, compared = Reader(asset), 0
+        for place, row in zip(places, rows):
+            found = reader.answer(place)
+            if found is None or row["status"] != "exact":
+                continue
+            compared += 1
+            self.assertAlmostEqual(float(row["distance"]), found[0], delta=1e-8)
+            self.assertLess(math.dist([float(row[k]) for k in ("nx", "ny", "nz")], found[1]), 1e-4)
+        self.assertGreater(compared, 2000)
+
+
+if __name__ == "__main__":
+    unittest.main()
