@@ -287,11 +287,7 @@ Json to_json(const BuildRequest& request, const Mesh& mesh, const BakeResult& ba
                       {"answers", check.fallback_answers},
                       {"bytes", share(written.bytes.triangles, written.bytes.total)}};
   if (metadata.form == AssetForm::sparse) {
-    const AnswerShares& answers = baked.report.answers;
-    json["answers"] = {{"one_map", answers.one_map},
-                       {"two_maps", answers.two_maps},
-                       {"polynomials", answers.polynomials},
-                       {"triangles", answers.triangles}};
+    json["answers"] = answers_json(baked.report.answers);
   }
   json["bytes"] = written.bytes.total;
   json["content_sha256"] = written.sha256;
@@ -413,6 +409,22 @@ BuildReport run_build(const BuildRequest& request, const Progress& progress) {
   return report;
 }
 
+Json answers_json(const AnswerShares& answers) {
+  return {{"one_map", answers.one_map},
+          {"two_maps", answers.two_maps},
+          {"polynomials", answers.polynomials},
+          {"triangles", answers.triangles}};
+}
+
+std::string answers_text(const Json& answers) {
+  const auto percent = [&answers](const char* what) { return 100 * answers[what].get<double>(); };
+  return fmt::format(
+      "{:.1f} % of the volume by one distance map, {:.1f} % by two, {:.1f} % by polynomials, "
+      "{:.1f} "
+      "% by triangles",
+      percent("one_map"), percent("two_maps"), percent("polynomials"), percent("triangles"));
+}
+
 std::string describe(const BuildReport& report) {
   const Json& json = report.json;
   const Json& mesh = json["mesh"];
@@ -463,13 +475,7 @@ std::string describe(const BuildReport& report) {
       "\nfallback {:.1f} % of the cells hold exact triangles, for places that no map answers",
       100 * fallback["cells"].get<double>());
   if (json.contains("answers")) {
-    const auto percent = [&json](const char* what) {
-      return 100 * json["answers"][what].get<double>();
-    };
-    text += fmt::format(
-        "\nanswers  {:.1f} % of the volume by one distance map, {:.1f} % by two, {:.1f} % by "
-        "polynomials, {:.1f} % by triangles",
-        percent("one_map"), percent("two_maps"), percent("polynomials"), percent("triangles"));
+    text += "\nanswers  " + answers_text(json["answers"]);
   }
   const Json& seconds = json["seconds"];
   text += fmt::format(

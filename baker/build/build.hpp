@@ -6,6 +6,7 @@
 #include <vector>
 
 #include "baker/build/build_request.hpp"
+#include "baker/options/bake_report.hpp"
 #include "baker/verify/verify.hpp"
 
 namespace spm::baker {
@@ -31,6 +32,10 @@ void check_paths(const BuildRequest& request);
 /// Loads, bakes, verifies in memory and writes. Throws BakeError, with nothing written. Among
 /// others tolerance_not_met, whose message names the worst place and what to do.
 [[nodiscard]] BuildReport run_build(const BuildRequest& request, const Progress& progress);
+
+/// From what places are answered, as reports of bakes and files have it, and for a person.
+[[nodiscard]] nlohmann::ordered_json answers_json(const AnswerShares& answers);
+[[nodiscard]] std::string answers_text(const nlohmann::ordered_json& answers);
 
 /// The report as a few lines for a person.
 [[nodiscard]] std::string describe(const BuildReport& report);

@@ -47,12 +47,14 @@ double derivative(const std::array<double, 3>& of, double t) {
   return (t - 0.5) * of[0] - 2 * t * of[1] + (t + 0.5) * of[2];
 }
 
+double second(const std::array<double, 3>& of) { return of[0] - 2 * of[1] + of[2]; }
+
 /// All values between two places. Between its ends a quadratic leaves them by no more than an
 /// eighth of its second derivative.
 void meet_blend(const std::array<double, 3>& of, const Part& part, Span& span) {
   const double at_low = blend(of, part.low), at_high = blend(of, part.high);
   const double way = part.high - part.low;
-  const double bulge = std::abs(of[0] - 2 * of[1] + of[2]) * way * way / 8;
+  const double bulge = std::abs(second(of)) * way * way / 8;
   span.meet(std::min(at_low, at_high) - bulge);
   span.meet(std::max(at_low, at_high) + bulge);
 }
@@ -95,32 +97,29 @@ bool ChartField::covers(const Vector3& middle, double half) const {
   return true;
 }
 
+ChartField::Window ChartField::window_at(std::int64_t column, std::int64_t row) const {
+  Window heights{};
+  for (std::size_t r = 0; r < 3; ++r) {
+    for (std::size_t c = 0; c < 3; ++c) {
+      heights[r][c] = static_cast<double>(grid_.at(column + static_cast<std::int64_t>(c) - 1,
+                                                   row + static_cast<std::int64_t>(r) - 1));
+    }
+  }
+  return heights;
+}
+
 ChartField::Spline ChartField::spline_at(double x, double y) const {
   const std::int64_t i = nearest(x), j = nearest(y);
   const double s = x - static_cast<double>(i), t = y - static_cast<double>(j);
-  const std::array<double, 3> across{0.5 * (0.5 - s) * (0.5 - s), 0.75 - s * s,
-                                     0.5 * (0.5 + s) * (0.5 + s)};
-  const std::array<double, 3> d_across{s - 0.5, -2 * s, s + 0.5};
-  const std::array<double, 3> along{0.5 * (0.5 - t) * (0.5 - t), 0.75 - t * t,
-                                    0.5 * (0.5 + t) * (0.5 + t)};
-  const std::array<double, 3> d_along{t - 0.5, -2 * t, t + 0.5};
-  Spline spline;
+  std::array<double, 3> values{}, along{}, bends{};
+  const Window heights = window_at(i, j);
   for (std::size_t r = 0; r < 3; ++r) {
-    const std::int64_t row = j - 1 + static_cast<std::int64_t>(r);
-    const double a = static_cast<double>(grid_.at(i - 1, row)),
-                 b = static_cast<double>(grid_.at(i, row)),
-                 c = static_cast<double>(grid_.at(i + 1, row));
-    const double value = across[0] * a + across[1] * b + across[2] * c;
-    const double slope = d_across[0] * a + d_across[1] * b + d_across[2] * c;
-    const double bend = a - 2 * b + c;
-    spline.value += along[r] * value;
-    spline.by_x += along[r] * slope;
-    spline.by_xx += along[r] * bend;
-    spline.by_y += d_along[r] * value;
-    spline.by_xy += d_along[r] * slope;
-    spline.by_yy += (r == 1 ? -2 : 1) * value;
+    values[r] = blend(heights[r], s);
+    along[r] = derivative(heights[r], s);
+    bends[r] = second(heights[r]);
   }
-  return spline;
+  return {blend(values, t), blend(along, t),      derivative(values, t),
+          blend(bends, t),  derivative(along, t), second(values)};
 }
 
 double ChartField::at(const Vector3& place, Vector3& normal) const {
@@ -152,20 +151,14 @@ FieldBound ChartField::about(const Vector3& middle, double half) const {
     const Part t(at.y, high, j);
     for (std::int64_t i = i0; i <= i1; ++i) {
       const Part u(at.x, wide, i);
-      std::array<std::array<double, 3>, 3> h{};
-      for (std::int64_t r = 0; r < 3; ++r) {
-        for (std::int64_t c = 0; c < 3; ++c) {
-          h[static_cast<std::size_t>(r)][static_cast<std::size_t>(c)] =
-              static_cast<double>(grid_.at(i + c - 1, j + r - 1));
-        }
-      }
+      const Window h = window_at(i, j);
       for (const auto& row : h) {
         for (const double height : row) most = std::max(most, std::abs(height - h[1][1]));
       }
       std::array<double, 3> bend_x{}, bend_y{};
       for (std::size_t k = 0; k < 3; ++k) {
-        bend_x[k] = h[k][0] - 2 * h[k][1] + h[k][2];
-        bend_y[k] = h[0][k] - 2 * h[1][k] + h[2][k];
+        bend_x[k] = second(h[k]);
+        bend_y[k] = second({h[0][k], h[1][k], h[2][k]});
       }
       meet_blend(bend_x, t, xx);
       meet_blend(bend_y, u, yy);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <algorithm>
+#include <array>
 #include <cstdint>
 
 #include "baker/charts/bounded_field.hpp"
@@ -50,10 +51,13 @@ class ChartField : public BoundedField {
   struct Spline {
     double value = 0, by_x = 0, by_y = 0, by_xx = 0, by_xy = 0, by_yy = 0;
   };
+  using Window = std::array<std::array<double, 3>, 3>;  ///< heights, m, row by row
   struct Place {
     double x = 0, y = 0, depth = 0;  ///< in spacings of the grid; m below the plane
   };
   [[nodiscard]] Place place_of(const Vector3& point) const;
+  /// The heights about one of them.
+  [[nodiscard]] Window window_at(std::int64_t column, std::int64_t row) const;
   /// Heights and derivatives, m and spacings.
   [[nodiscard]] Spline spline_at(double x, double y) const;
 };

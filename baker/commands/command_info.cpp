@@ -8,6 +8,7 @@
 #include <nlohmann/json.hpp>
 
 #include "baker/base/bake_error.hpp"
+#include "baker/build/build.hpp"
 #include "baker/commands/commands.hpp"
 #include "baker/commands/info_json.hpp"
 #include "baker/pictures/grid_walk.hpp"
@@ -149,15 +150,10 @@ LeafKinds kinds_of(const DistanceOctree& octree) {
   return kinds;
 }
 
-/// Shares of the volume by what answers there.
-Json answers_json(const LeafKinds& kinds) {
-  const double polynomials = kinds.polynomials.volume + kinds.pairs.volume;
-  const double all = kinds.maps.volume + kinds.map_pairs.volume + polynomials + kinds.lists.volume;
-  const auto share = [all](double volume) { return all > 0 ? volume / all : 0; };
-  return {{"one_map", share(kinds.maps.volume)},
-          {"two_maps", share(kinds.map_pairs.volume)},
-          {"polynomials", share(polynomials)},
-          {"triangles", share(kinds.lists.volume)}};
+AnswerShares shares_of(const LeafKinds& kinds) {
+  return AnswerShares{kinds.maps.volume, kinds.map_pairs.volume,
+                      kinds.polynomials.volume + kinds.pairs.volume, kinds.lists.volume}
+      .of_all();
 }
 
 /// The cubes of the octree and the triangles that answers come from.
@@ -213,7 +209,7 @@ nlohmann::ordered_json to_json(const MappedAsset& asset, const std::vector<std::
   } else {
     const LeafKinds kinds = kinds_of(view.octree);
     json["octree"] = octree_json(view, kinds);
-    json["answers"] = answers_json(kinds);
+    json["answers"] = answers_json(shares_of(kinds));
   }
   json["fallback"] = {
       {"cells", metadata.fallback_cells},
@@ -265,12 +261,8 @@ std::string describe(const MappedAsset& asset, const std::vector<std::string>& p
                       view.full ? "full" : "sparse", view.planes.size(), metadata.kind,
                       view.maps.size() + view.charts.size(), "distance maps", samples_of(view));
   if (!view.full) {
-    const Json answers = answers_json(kinds_of(view.octree));
-    const auto percent = [&answers](const char* what) { return 100 * answers[what].get<double>(); };
-    text += fmt::format(
-        "answers   {:.1f} % of the volume by one distance map, {:.1f} % by two, {:.1f} % by "
-        "polynomials, {:.1f} % by triangles\n",
-        percent("one_map"), percent("two_maps"), percent("polynomials"), percent("triangles"));
+    const Json answers = answers_json(shares_of(kinds_of(view.octree)));
+    text += "answers   " + answers_text(answers) + "\n";
   }
   text += fmt::format("layers    up to {} crossings along a ray\n", metadata.layers_max);
   text += fmt::format(

@@ -60,8 +60,7 @@ std::optional<std::uint32_t> facing_chart(const std::vector<CubeSample>& samples
 /// mean. With one field alone `smaller` does not matter.
 bool meet(std::span<const ChartField> fields, bool smaller, const std::vector<CubeSample>& samples,
           const std::vector<std::size_t>& chosen, const Cube& cube, const ChartRules& rules) {
-  double angles = 0;
-  std::size_t judged = 0;
+  SampleJudge judge(rules.band, rules.max_error, rules.max_mean_angle);
   for (const std::size_t i : chosen) {
     const CubeSample& sample = samples[i];
     const Vector3 place = cube.middle + cube.half * sample.place;
@@ -75,16 +74,9 @@ bool meet(std::span<const ChartField> fields, bool smaller, const std::vector<Cu
         normal = other_normal;
       }
     }
-    const double told = std::clamp(value, -rules.band.max_depth, rules.band.margin);
-    const double truth = std::clamp(sample.distance, -rules.band.max_depth, rules.band.margin);
-    if (std::abs(told - truth) > rules.max_error) return false;
-    if (!in_band(sample, rules.band, 0)) continue;
-    const double length = normal.norm() * sample.gradient.norm();
-    const double cosine = length > 0 ? normal.dot(sample.gradient) / length : 0;
-    angles += std::acos(std::clamp(cosine, -1.0, 1.0));
-    ++judged;
+    if (!judge.meets(sample, value, normal)) return false;
   }
-  return judged == 0 || angles <= rules.max_mean_angle * static_cast<double>(judged);
+  return judge.meets_directions();
 }
 
 /// The chart that faces chosen samples, at the coarsest spacing that meets them.

@@ -32,6 +32,27 @@ struct CubeSample {
 [[nodiscard]] std::vector<std::size_t> about_band(const std::vector<CubeSample>& samples,
                                                   const Band& band, double beyond);
 
+/// Judges what is told of samples: the error of each in the band, and directions in the mean.
+class SampleJudge {
+ public:
+  /// `max_error` in m, `max_mean_angle` in rad.
+  SampleJudge(const Band& band, double max_error, double max_mean_angle)
+      : band_(band), max_error_(max_error), max_mean_angle_(max_mean_angle) {}
+
+  /// Whether a value, m, meets a sample. The slope is of any length.
+  [[nodiscard]] bool meets(const CubeSample& sample, double value, const Vector3& slope);
+  /// Whether the slopes of all that were met do.
+  [[nodiscard]] bool meets_directions() const {
+    return judged_ == 0 || angles_ <= max_mean_angle_ * static_cast<double>(judged_);
+  }
+
+ private:
+  Band band_;
+  double max_error_, max_mean_angle_;
+  double angles_ = 0;
+  std::size_t judged_ = 0;
+};
+
 /// Tells the chosen samples apart by their directions: for each sample, to which of two it belongs.
 [[nodiscard]] std::vector<bool> by_direction(const std::vector<CubeSample>& samples,
                                              const std::vector<std::size_t>& chosen);

@@ -98,8 +98,7 @@ std::optional<Packed> fit(const std::vector<CubeSample>& samples,
 /// Whether the maps meet the samples of the band.
 bool meets(const FittedMaps& fitted, const std::vector<CubeSample>& samples, const Cube& cube,
            const FitRules& rules) {
-  double angles = 0;
-  std::size_t judged = 0;
+  SampleJudge judge(rules.band, rules.max_error, rules.max_mean_angle);
   for (const CubeSample& sample : samples) {
     double value = 0;
     Vector3 slope = Vector3::Zero();
@@ -113,16 +112,9 @@ bool meets(const FittedMaps& fitted, const std::vector<CubeSample>& samples, con
       const Vector3 gradient = map.gradient(z);
       slope = from_plane_frame(plane, gradient[0], gradient[1], gradient[2]);
     }
-    const double told = std::clamp(cube.half * value, -rules.band.max_depth, rules.band.margin);
-    const double truth = std::clamp(sample.distance, -rules.band.max_depth, rules.band.margin);
-    if (std::abs(told - truth) > rules.max_error) return false;
-    if (!in_band(sample, rules.band, 0)) continue;
-    const double length = slope.norm() * sample.gradient.norm();
-    const double cosine = length > 0 ? slope.dot(sample.gradient) / length : 0;
-    angles += std::acos(std::clamp(cosine, -1.0, 1.0));
-    ++judged;
+    if (!judge.meets(sample, cube.half * value, slope)) return false;
   }
-  return judged == 0 || angles <= rules.max_mean_angle * static_cast<double>(judged);
+  return judge.meets_directions();
 }
 
 }  // namespace

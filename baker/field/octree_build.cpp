@@ -30,7 +30,7 @@ namespace spm::baker {
 namespace {
 
 /// Share of the tolerance by which samples may be off; the rest is for places between them.
-constexpr double fit_share = 0.9, chart_share = 0.9;
+constexpr double fit_share = 0.9;
 /// Maps may take so many times the bytes of a polynomial before it is taken in their place.
 constexpr double polynomial_worth = 3, polynomial_bytes = 16;
 constexpr double sample_bytes = 4;  ///< of a map
@@ -53,7 +53,7 @@ class Builder {
         rules_(rules),
         proven_(proven) {
     rules_.tolerance -= surface.displacement;
-    charts_ = {&heights, rules.band, chart_share * rules_.tolerance, rules.direction};
+    charts_ = {&heights, rules.band, fit_share * rules_.tolerance, rules.direction};
     fit_ = {planes, rules.band, data.value_unit, fit_share * rules_.tolerance, rules.direction};
   }
 
@@ -154,10 +154,10 @@ class Builder {
   /// Finds what answers in a cube of the band, whose few triangles are kept.
   void answer(OctreeNode& node, const Candidates& candidates, std::optional<bool> inside,
               int level) const {
+    const bool last = level == rules_.levels || node.few;
     Samples samples;
-    if (fits(node, candidates, inside, level == rules_.levels || node.few || !rules_.maps, samples))
-      return;
-    if (level == rules_.levels || node.few) {
+    if (fits(node, candidates, inside, last || !rules_.maps, samples)) return;
+    if (last) {
       Candidates least = nearest_in_parts(surface_, candidates, node.cube, 1);
       // Another packet takes as long as a first one.
       if (level == rules_.levels && least.size() > packet_size) {

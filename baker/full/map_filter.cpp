@@ -40,8 +40,8 @@ class Layer {
     return static_cast<double>(map_.samples[first_ + index(column, row)]);
   }
 
-  /// The filtered sample, m. The window grows from the sample over its neighbours, so that another
-  /// sheet behind a gap does not count.
+  /// The filtered sample, m. Samples to which a step from it would be too steep are of another
+  /// sheet and do not count.
   [[nodiscard]] double filtered(std::int64_t column, std::int64_t row, double sigma,
                                 double least_cosine) const {
     const auto reach = static_cast<std::int64_t>(

@@ -29,6 +29,13 @@ struct Pruned {
 /// From what places are answered: shares that sum to 1, or are 0.
 struct AnswerShares {
   double one_map = 0, two_maps = 0, polynomials = 0, triangles = 0;
+
+  /// Of volumes.
+  [[nodiscard]] AnswerShares of_all() const noexcept {
+    const double all = one_map + two_maps + polynomials + triangles;
+    if (!(all > 0)) return {};
+    return {one_map / all, two_maps / all, polynomials / all, triangles / all};
+  }
 };
 
 struct BakeReport {

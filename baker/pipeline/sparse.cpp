@@ -124,10 +124,9 @@ void drop_pruned_tiles(Asset& asset) {
 }
 
 AnswerShares answers_of(const OctreeCounts& counts) {
-  const double all = counts.answered_volume();
-  if (!(all > 0)) return {};
-  return {counts.map_volume / all, counts.map_pair_volume / all, counts.polynomial_volume / all,
-          counts.list_volume / all};
+  return AnswerShares{counts.map_volume, counts.map_pair_volume, counts.polynomial_volume,
+                      counts.list_volume}
+      .of_all();
 }
 
 /// Bytes that rules saved: cubes that were left out would have taken as many as others on average.
