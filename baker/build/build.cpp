@@ -281,8 +281,6 @@ Json to_json(const BuildRequest& request, const Mesh& mesh, const BakeResult& ba
   json["mesh"] = mesh_json(mesh);
   json["solid"] = Json::parse(metadata.solid);
   json["spm"] = spm_json(baked);
-  json["proof"] = {{"refused_cells", baked.report.refused_tile_cells},
-                   {"fallback_area", baked.report.fallback_area}};
   json["fallback"] = {{"cells", share(baked.report.fallback_cells, baked.report.record_cells)},
                       {"answers", check.fallback_answers},
                       {"bytes", share(written.bytes.triangles, written.bytes.total)}};

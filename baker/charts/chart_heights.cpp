@@ -254,22 +254,83 @@ HeightGrid make_grid(const OuterSurface& surface, const SupportPlane& plane,
 }  // namespace
 
 ChartHeights::ChartHeights(const OuterSurface& surface, std::span<const SupportPlane> planes,
-                           const PlaneCharts& charts, double spacing, std::uint32_t levels)
+                           const PlaneCharts& charts, const MapSpacings& spacings)
     : surface_(surface),
       planes_(planes),
       charts_(charts),
-      spacing_(spacing),
-      levels_(levels),
-      slots_(std::make_unique<Slot[]>(charts.charts().size() * levels)) {}
+      spacings_(spacings),
+      flat_(charts.charts().size()),
+      slots_(std::make_unique<Slot[]>(charts.charts().size() * spacings.levels)) {
+  for (std::size_t i = 0; i < flat_.size(); ++i) flat_[i] = flat_of(charts.charts()[i]);
+}
 
 ChartHeights::~ChartHeights() = default;
 
+ChartHeights::FlatChart ChartHeights::flat_of(const PlaneChart& chart) const {
+  Vector3 normal = Vector3::Zero();
+  const auto corner = [this](std::uint32_t triangle, std::size_t k) -> const Vector3& {
+    return surface_.vertices[surface_.triangles[triangle][k]];
+  };
+  for (const std::uint32_t t : chart.triangles) {
+    normal += (corner(t, 1) - corner(t, 0)).cross(corner(t, 2) - corner(t, 0));
+  }
+  const double length = normal.norm();
+  if (!(length > 0)) return {};
+  normal /= length;
+  const Vector3& start = corner(chart.triangles.front(), 0);
+  for (const std::uint32_t t : chart.triangles) {
+    for (std::size_t k = 0; k < 3; ++k) {
+      if (std::abs(normal.dot(corner(t, k) - start)) > spacings_.flat_within) return {};
+    }
+  }
+  const SupportPlane& plane = planes_[chart.plane];
+  const double facing = normal.dot(plane.n);
+  return {true, normal.dot(plane.x0 - start) / facing, normal.dot(plane.u) / facing,
+          normal.dot(plane.v) / facing};
+}
+
+HeightGrid ChartHeights::flat_grid(std::uint32_t chart, double spacing) const {
+  constexpr std::int32_t border = 3;
+  const PlaneChart& known = charts_.charts()[chart];
+  const FlatChart& flat = flat_[chart];
+  std::array<double, 2> low{}, high{};
+  bool first = true;
+  for (const std::uint32_t t : known.triangles) {
+    for (const std::uint32_t v : surface_.triangles[t]) {
+      const PlaneCoordinates at = project_on_plane(planes_[known.plane], surface_.vertices[v]);
+      const std::array<double, 2> place{at.eta / spacing, at.omega / spacing};
+      for (std::size_t k = 0; k < 2; ++k) {
+        low[k] = first ? place[k] : std::min(low[k], place[k]);
+        high[k] = first ? place[k] : std::max(high[k], place[k]);
+      }
+      first = false;
+    }
+  }
+  HeightGrid grid;
+  grid.spacing = spacing;
+  grid.column0 = static_cast<std::int32_t>(std::floor(low[0])) - border;
+  grid.row0 = static_cast<std::int32_t>(std::floor(low[1])) - border;
+  grid.columns = static_cast<std::uint32_t>(std::ceil(high[0]) - grid.column0 + border + 1);
+  grid.rows = static_cast<std::uint32_t>(std::ceil(high[1]) - grid.row0 + border + 1);
+  grid.heights.reserve(std::size_t{grid.columns} * grid.rows);
+  for (std::uint32_t row = 0; row < grid.rows; ++row) {
+    for (std::uint32_t column = 0; column < grid.columns; ++column) {
+      const double eta = spacing * (grid.column0 + static_cast<double>(column));
+      const double omega = spacing * (grid.row0 + static_cast<double>(row));
+      grid.heights.push_back(
+          static_cast<float>(flat.depth + flat.by_eta * eta + flat.by_omega * omega));
+    }
+  }
+  return grid;
+}
+
 const HeightGrid& ChartHeights::of(std::uint32_t chart, std::uint32_t level) const {
-  Slot& slot = slots_[std::size_t{chart} * levels_ + level];
+  Slot& slot = slots_[std::size_t{chart} * spacings_.levels + level];
   std::call_once(slot.once, [&] {
     const PlaneChart& known = charts_.charts()[chart];
-    slot.grid = make_grid(surface_, planes_[known.plane], known,
-                          std::ldexp(spacing_, -static_cast<int>(level)));
+    const double spacing = std::ldexp(spacings_.coarsest, -static_cast<int>(level));
+    slot.grid = flat_[chart].is ? flat_grid(chart, spacing)
+                                : make_grid(surface_, planes_[known.plane], known, spacing);
   });
   return slot.grid;
 }

@@ -26,16 +26,25 @@ struct HeightGrid {
   }
 };
 
+/// How the spacings of distance maps are chosen.
+struct MapSpacings {
+  double coarsest = 0;       ///< m, of level 0, for flat charts; each level halves it
+  std::uint32_t curved = 0;  ///< the first level of charts that are not flat
+  std::uint32_t levels = 1;  ///< of all
+  double flat_within = 0;    ///< m: a chart is flat where its corners are no farther off a plane
+};
+
 /// The distance maps (eq. 2) of all charts at several spacings, each made when it is first asked
-/// for. A height is a fixed function of where the rays around it along the plane's normal meet the
-/// chart's triangles, at half the spacing: the B-spline coefficient of the quadratic that is
-/// nearest to these in the mean. Past the chart's border it goes on with that quadratic. Any number
-/// of threads may ask. The same for any number of threads.
+/// for. Those of a flat chart are its plane's. Of others a height is a fixed function of where the
+/// rays around it along the plane's normal meet the chart's triangles, at half the spacing: the
+/// B-spline coefficient of the quadratic that is nearest to these in the mean. Past the chart's
+/// border it goes on with that quadratic. Any number of threads may ask. The same for any number of
+/// threads.
 class ChartHeights {
  public:
-  /// `spacing`, m, of level 0; each level halves it. All arguments must outlive this.
+  /// All arguments must outlive this.
   ChartHeights(const OuterSurface& surface, std::span<const SupportPlane> planes,
-               const PlaneCharts& charts, double spacing, std::uint32_t levels);
+               const PlaneCharts& charts, const MapSpacings& spacings);
   ~ChartHeights();
   ChartHeights(const ChartHeights&) = delete;
   ChartHeights& operator=(const ChartHeights&) = delete;
@@ -43,10 +52,21 @@ class ChartHeights {
   [[nodiscard]] const HeightGrid& of(std::uint32_t chart, std::uint32_t level) const;
   [[nodiscard]] const PlaneCharts& charts() const noexcept { return charts_; }
   [[nodiscard]] std::span<const SupportPlane> planes() const noexcept { return planes_; }
-  [[nodiscard]] double spacing() const noexcept { return spacing_; }  ///< m, of level 0
-  [[nodiscard]] std::uint32_t levels() const noexcept { return levels_; }
+  [[nodiscard]] double spacing() const noexcept { return spacings_.coarsest; }  ///< m, of level 0
+  /// Levels at which a chart is worth a trial: the first, and the one behind the last.
+  [[nodiscard]] std::uint32_t first_level(std::uint32_t chart) const noexcept {
+    return flat_[chart].is ? 0 : spacings_.curved;
+  }
+  [[nodiscard]] std::uint32_t end_level(std::uint32_t chart) const noexcept {
+    return flat_[chart].is ? 1 : spacings_.levels;
+  }
 
  private:
+  /// D_SP of a flat chart: depth + by_eta eta + by_omega omega.
+  struct FlatChart {
+    bool is = false;
+    double depth = 0, by_eta = 0, by_omega = 0;
+  };
   struct Slot {
     std::once_flag once;
     HeightGrid grid;
@@ -54,9 +74,12 @@ class ChartHeights {
   const OuterSurface& surface_;
   std::span<const SupportPlane> planes_;
   const PlaneCharts& charts_;
-  double spacing_;
-  std::uint32_t levels_;
+  MapSpacings spacings_;
+  std::vector<FlatChart> flat_;
   std::unique_ptr<Slot[]> slots_;
+
+  [[nodiscard]] FlatChart flat_of(const PlaneChart& chart) const;
+  [[nodiscard]] HeightGrid flat_grid(std::uint32_t chart, double spacing) const;
 };
 
 }  // namespace spm::baker

@@ -26,7 +26,7 @@ struct BuildSettings {
 
 /// The page of --report: the written file is judged anew, at as many places as `verify` takes.
 Result<void> show(const BuildSettings& settings, const BuildReport& report) {
-  const auto asset = MappedAsset::open(settings.request.output, {.tiles = true});
+  const auto asset = MappedAsset::open(settings.request.output);
   if (!asset) return tl::make_unexpected(asset.error());
   VerifyOptions options;
   options.threads = settings.request.bake.threads;

@@ -38,11 +38,11 @@ struct InfoSettings {
   cli::GlobalOptions global;
 };
 
-/// Planes that have maps or tiles, by index.
+/// Planes that have maps, by index.
 std::vector<std::size_t> planes_with_maps(const AssetView& view) {
   std::vector<std::size_t> planes;
   for (const DistanceMap& map : view.maps) planes.push_back(map.plane);
-  for (const Tile& tile : view.tiles) planes.push_back(tile.plane);
+  for (const HeightChart& chart : view.charts) planes.push_back(chart.plane);
   std::sort(planes.begin(), planes.end());
   planes.erase(std::unique(planes.begin(), planes.end()), planes.end());
   return planes;
@@ -56,7 +56,7 @@ Legend legend_of(const AssetView& view, std::size_t plane, const PlaneRelief& re
                   plane, n.x(), n.y(), n.z()),
       ColourBar{"far: " + length_text(relief.farthest),
                 length_text((relief.nearest + relief.farthest) / 2), length_text(relief.nearest)},
-      {{Colour{background, background, background}, "no sample"}},
+      {{Colour{background, background, background}, "no map of this plane answers"}},
       relief.pixel};
 }
 
@@ -104,7 +104,7 @@ Json parts_json(const MappedAsset& asset) {
 }
 
 std::uint64_t samples_of(const AssetView& view) {
-  std::uint64_t samples = view.atlas.size() + std::uint64_t{tile_sample_count} * view.tiles.size();
+  std::uint64_t samples = view.atlas.size();
   for (const DistanceMap& map : view.maps) {
     samples += std::uint64_t{map.columns} * map.rows * map.layers;
   }
@@ -118,7 +118,7 @@ std::uint64_t band_cells(const AssetView& view) {
     visit_all_lists(view.grid, [&cells](const GridList&) { ++cells; });
   } else {
     visit_leaves(view.octree,
-                 [&cells](const Leaf& leaf) { cells += leaf.kind >= OctreeKind::list ? 1U : 0U; });
+                 [&cells](const Leaf& leaf) { cells += has_answers(leaf.kind) ? 1U : 0U; });
   }
   return cells;
 }
@@ -139,9 +139,9 @@ struct LeafKinds {
 LeafKinds kinds_of(const DistanceOctree& octree) {
   LeafKinds kinds;
   visit_leaves(octree, [&](const Leaf& leaf) {
-    const std::uint32_t* words = units_at(octree, leaf);
+    const std::uint32_t* words = words_at(octree, leaf);
     if (leaf.kind == OctreeKind::map && words != nullptr) {
-      (words[1] == 0 ? kinds.maps : kinds.map_pairs).add(leaf);
+      (NamedMaps(words[0]).two() ? kinds.map_pairs : kinds.maps).add(leaf);
     }
     if (leaf.kind == OctreeKind::polynomial) kinds.polynomials.add(leaf);
     if (leaf.kind == OctreeKind::least || leaf.kind == OctreeKind::most) kinds.pairs.add(leaf);
@@ -293,7 +293,7 @@ std::string describe(const MappedAsset& asset, const std::vector<std::string>& p
 
 int run(const InfoSettings& settings) {
   cli::configure_messages(settings.global);
-  const auto asset = MappedAsset::open(settings.asset, {.tiles = true});
+  const auto asset = MappedAsset::open(settings.asset);
   if (!asset) return cli::report(asset.error());
   std::vector<std::string> pictures;
   if (!settings.pictures.empty()) pictures = write_pictures((*asset)->view(), settings);

@@ -41,10 +41,17 @@ const char* name_of(Status status) {
   return "far";
 }
 
-const char* name_of(Source source) {
+/// What a distance map is called: of a `full` asset a tile, of a `sparse` one by how many count.
+const char* name_of_map(const AssetView& asset, const Vector3& point) {
+  if (asset.full) return "tile";
+  const std::uint32_t* words = words_at(asset.octree, leaf_at(asset.octree, point));
+  return words != nullptr && NamedMaps(words[0]).two() ? "two-maps" : "map";
+}
+
+const char* name_of(Source source, const AssetView& asset, const Vector3& point) {
   switch (source) {
     case Source::map:
-      return "tile";
+      return name_of_map(asset, point);
     case Source::triangles:
       return "triangles";
     case Source::polynomial:
@@ -58,13 +65,14 @@ const char* name_of(Source source) {
 /// A number that reads back as itself; `nan` has no sign.
 std::string number(double value) { return std::isnan(value) ? "nan" : fmt::format("{}", value); }
 
-void append_row(std::string& csv, const Vector3& point, const Answer& answer) {
+void append_row(std::string& csv, const AssetView& asset, const Vector3& point,
+                const Answer& answer) {
   for (const double value : {point.x(), point.y(), point.z(), answer.distance, answer.normal.x(),
                              answer.normal.y(), answer.normal.z()}) {
     csv += number(value) + ",";
   }
   fmt::format_to(std::back_inserter(csv), "{},{},{},{}\n", answer.plane, answer.layer,
-                 name_of(answer.source), name_of(answer.status));
+                 name_of(answer.source, asset, point), name_of(answer.status));
 }
 
 int run(const QuerySettings& settings) {
@@ -81,7 +89,7 @@ int run(const QuerySettings& settings) {
   for (const TrajectorySample& sample : *points) {
     const Answer answer = query_point((*asset)->view(), sample.position);
     ++counts[static_cast<std::size_t>(answer.status)];
-    append_row(csv, sample.position, answer);
+    append_row(csv, (*asset)->view(), sample.position, answer);
   }
   if (const auto written = write_file(settings.output, csv); !written) {
     return cli::report(written.error());

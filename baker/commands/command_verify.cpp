@@ -52,9 +52,7 @@ int run(const VerifySettings& settings) {
     }
   }
   if (!settings.page.empty()) check_report(settings.page);
-  // Only a picture shows the asset's own surface; no answer depends on its tiles.
-  const auto asset = MappedAsset::open(
-      settings.asset, {.tiles = !settings.pictures.empty() || !settings.page.empty()});
+  const auto asset = MappedAsset::open(settings.asset);
   if (!asset) return cli::report(asset.error());
   const VerifyReport report =
       verify_asset((*asset)->view(), (*asset)->metadata(), settings.mesh, settings.options);

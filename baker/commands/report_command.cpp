@@ -27,13 +27,14 @@ void hold(const Result<void>& done) {
   if (!done) throw BakeError(done.error().code, done.error().message);
 }
 
-/// The maps or tiles of the planes that have the most, seen along each plane's normal; of no size
+/// The maps of the planes that have the most, seen along each plane's normal; of no size
 /// where there are none.
 Picture maps_picture(const AssetView& view) {
   std::map<std::size_t, std::size_t> samples;
   for (const DistanceMap& map : view.maps)
     samples[map.plane] += std::size_t{map.columns} * map.rows;
-  for (const Tile& tile : view.tiles) ++samples[tile.plane];
+  for (const HeightChart& chart : view.charts)
+    samples[chart.plane] += std::size_t{chart.columns} * chart.rows;
   std::vector<std::size_t> planes;
   planes.reserve(samples.size());
   for (const auto& [plane, count] : samples) planes.push_back(plane);

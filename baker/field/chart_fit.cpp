@@ -86,7 +86,8 @@ std::optional<ChartAtLevel> find_chart(const std::vector<CubeSample>& samples,
                                        const ChartRules& rules) {
   const std::optional<std::uint32_t> chart = facing_chart(samples, chosen, *rules.heights);
   if (!chart) return std::nullopt;
-  for (std::uint32_t level = 0; level < rules.heights->levels(); ++level) {
+  for (std::uint32_t level = rules.heights->first_level(*chart);
+       level < rules.heights->end_level(*chart); ++level) {
     const double spacing = std::ldexp(rules.heights->spacing(), -static_cast<int>(level));
     if (spacing < finest * 2 * cube.half) break;
     const ChartField field(*rules.heights, *chart, level);

@@ -229,8 +229,6 @@ class EdgeCollapse {
     for (const std::uint32_t other : patch.ring()) {
       if (states_[other] != State::fixed) states_[other] = State::asked;
     }
-    bool bare = false;
-    for (const std::uint32_t t : stars_[vertex]) bare = bare || triangles_[t].bare;
     for (const std::uint32_t t : stars_[vertex]) {
       LooseTriangle& triangle = triangles_[t];
       auto& corners = triangle.corners;
@@ -242,7 +240,6 @@ class EdgeCollapse {
         continue;
       }
       std::replace(corners.begin(), corners.end(), vertex, to);
-      triangle.bare = bare;
       moved_[t] = choices_[vertex].moved;
       stars_[to].push_back(t);
     }

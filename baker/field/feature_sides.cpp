@@ -24,7 +24,7 @@ namespace spm::baker {
 namespace {
 
 /// Normals within this of their mean face nearly the same way. Below 45 degrees each normal alone
-/// tells the side; see proof/PROOF.md.
+/// tells the side; see PROOF.md.
 constexpr double flat_cosine = 0.7660;  // 40 degrees
 /// More directions than this around a corner take too long to be combined pair by pair.
 constexpr std::size_t most_paired = 64;

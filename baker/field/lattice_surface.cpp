@@ -133,7 +133,6 @@ void add_triangle(const LooseTriangle& loose, const std::vector<LatticePoint>& v
                   LatticeSurface& lattice) {
   LatticeTriangle triangle = triangle_of(loose.corners, vertices, lattice);
   triangle.sheet = loose.sheet;
-  triangle.bare = loose.bare;
   triangle.thin = needs_doubles(triangle.corners, lattice.step);
   lattice.surface.triangles.push_back(loose.corners);
   lattice.surface.solid_count += loose.sheet ? 0 : 1;
@@ -186,7 +185,7 @@ void add_crossed(const ClosedSurfaces& sides, LatticeSurface& lattice) {
 }  // namespace
 
 LatticeSurface round_to_lattice(const OuterSurface& surface, const Caster& caster,
-                                const std::vector<bool>& bare, double tolerance) {
+                                double tolerance) {
   LatticeSurface lattice;
   Vector3 low = Vector3::Constant(std::numeric_limits<double>::max()), high = -low;
   const std::vector<Vector3> none;
@@ -207,7 +206,7 @@ LatticeSurface round_to_lattice(const OuterSurface& surface, const Caster& caste
   std::vector<LooseTriangle> loose;
   for (std::size_t t = 0; t < surface.triangles.size(); ++t) {
     const bool sheet = t >= surface.solid_count;
-    loose.push_back({surface.triangles[t], sheet, sheet || (t < bare.size() && bare[t])});
+    loose.push_back({surface.triangles[t], sheet});
   }
   const double thin = sliver_steps * lattice.step;
   const double slid = remove_slivers(lattice.surface.vertices, thin, loose);

@@ -21,7 +21,6 @@ struct LatticeTriangle {
   FeatureSides sides = 0;               ///< of places that are nearest to its sides and corners
   std::array<LatticePoint, 3> steps{};  ///< the corners, lattice steps from the origin
   bool sheet = false;
-  bool bare = false;    ///< no tile shows it
   bool thin = false;    ///< too thin for single precision
   bool folded = false;  ///< another lies on it and faces the other way
 };
@@ -47,8 +46,8 @@ struct LatticeSurface {
 };
 
 /// `caster` is over the surface. `tolerance` in metres: the displacement is kept to a small share
-/// of it, as far as corner_bits allow. `bare` says of each triangle whether no tile shows it.
+/// of it, as far as corner_bits allow.
 [[nodiscard]] LatticeSurface round_to_lattice(const OuterSurface& surface, const Caster& caster,
-                                              const std::vector<bool>& bare, double tolerance);
+                                              double tolerance);
 
 }  // namespace spm::baker

@@ -32,7 +32,7 @@ namespace {
 /// Share of the tolerance by which samples may be off; the rest is for places between them.
 constexpr double fit_share = 0.9;
 /// Maps may take so many times the bytes of a polynomial before it is taken in their place.
-constexpr double polynomial_worth = 3, polynomial_bytes = 16;
+constexpr double polynomial_worth = 5, polynomial_bytes = 16;
 constexpr double sample_bytes = 4;  ///< of a map
 /// The octree may take so many times the fewest bytes that it could, where that makes it faster;
 /// and so many bytes in any case.
@@ -117,7 +117,7 @@ class Builder {
     }
     if (-distance - reach > rules_.band.max_depth) {
       node.kind = OctreeKind::deep;
-      node.words = {pack_octahedral(direction), 0};
+      node.words = {pack_octahedral(direction)};
       return true;
     }
     if (reachability_ == nullptr) return false;

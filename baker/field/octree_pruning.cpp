@@ -29,13 +29,14 @@ struct Cost {
   }
 };
 
-constexpr double unit_bytes = 8, root_bytes = 4;
+constexpr double word_bytes = 4, root_bytes = 4, pair_words = 9;
 
 Cost cost_of_list(std::size_t triangles, const Cube& cube, int level) {
   const TriangleList list{.solids = static_cast<std::uint32_t>(triangles)};
   const double time = list_time + packet_time * static_cast<double>(list.packets());
-  return {.bytes = unit_bytes + 4 * static_cast<double>(list.word_count()),
-          .time = cube.volume() * (time + level_time * level)};
+  return {
+      .bytes = word_bytes * (words_of(OctreeKind::list) + static_cast<double>(list.word_count())),
+      .time = cube.volume() * (time + level_time * level)};
 }
 
 Cost cost_of_leaf(const OctreeNode& node, int level) {
@@ -43,7 +44,7 @@ Cost cost_of_leaf(const OctreeNode& node, int level) {
     return cost_of_list(node.solids.size() + node.sheets.size(), node.cube, level);
   }
   Cost cost;
-  cost.bytes = unit_bytes * units_of(node.kind);
+  cost.bytes = word_bytes * words_of(node.kind);
   if (node.kind == OctreeKind::map) {
     const double time = node.charts.size() > 1 ? two_maps_time : map_time;
     cost.bytes += node.shared_bytes;
@@ -51,6 +52,7 @@ Cost cost_of_leaf(const OctreeNode& node, int level) {
   }
   if (has_polynomials(node.kind)) {
     const double time = node.kind == OctreeKind::polynomial ? 1 : pair_time;
+    if (node.kind != OctreeKind::polynomial) cost.bytes = word_bytes * pair_words;
     cost.time = node.cube.volume() * (time + level_time * level);
   }
   return cost;
@@ -76,7 +78,7 @@ class Pruning {
   Cost prune(OctreeNode& node, int level) const {
     if (!node.octants) return cost_of_leaf(node, level);
     if (all_far(node)) return {};  // these will be one cube
-    Cost split{.bytes = unit_bytes, .time = 0};
+    Cost split{.bytes = word_bytes * words_of(OctreeKind::split), .time = 0};
     for (OctreeNode& octant : *node.octants) split += prune(octant, level + 1);
     node.as_list = false;
     if (!node.few) return split;
@@ -183,7 +185,7 @@ void make_lists_in(const LatticeSurface& surface, OctreeNode& node) {
 
 double bytes_as_divided(const OctreeNode& node) {
   if (!node.octants) return cost_of_leaf(node, 0).bytes;
-  double bytes = unit_bytes;
+  double bytes = word_bytes * words_of(OctreeKind::split);
   for (const OctreeNode& octant : *node.octants) bytes += bytes_as_divided(octant);
   return bytes;
 }
@@ -202,7 +204,6 @@ double shared_bytes(const OctreeRoots& roots) {
 
 std::vector<bool> used_triangles(const LatticeSurface& surface, const OctreeRoots& roots) {
   std::vector<bool> used(surface.triangles.size() + surface.crossed.size(), false);
-  for (std::size_t i = 0; i < used.size(); ++i) used[i] = surface.any_triangle(i).bare;
   for (const OctreeNode& root : roots.nodes) mark_used(root, used);
   return used;
 }
@@ -257,10 +258,11 @@ int join_roots(int most, const RootMaker& make_root, OctreeRoots& roots) {
 }
 
 bool part_roots(const RootMaker& make_root, OctreeRoots& roots) {
-  constexpr double worth_parting = 0.1;  // as many bytes more, for looking into one cube less
+  constexpr double worth_parting = 0.05;  // as many bytes more, for looking into one cube less
   double more = 7 * root_bytes * static_cast<double>(roots.nodes.size());
   for (const OctreeNode& root : roots.nodes) {
-    more += root.octants ? -unit_bytes : 7 * unit_bytes * units_of(root.kind);
+    more += word_bytes *
+            (root.octants ? -1.0 * words_of(OctreeKind::split) : 7.0 * words_of(root.kind));
   }
   if (more > worth_parting * bytes_as_divided(roots)) return false;
   const auto& [x, y, z] = roots.count;

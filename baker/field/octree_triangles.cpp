@@ -74,7 +74,6 @@ std::vector<std::uint32_t> write_triangles(const LatticeSurface& surface,
     }
     append(pack_three(of_triangle, triangle.thin), data.triangles);
     data.sides[number / 2] |= pack_traits({.sides = triangle.sides,
-                                           .bare = triangle.bare,
                                            .crossed = ordered[number] >= surface.triangles.size()})
                               << 16U * (number % 2);
   }

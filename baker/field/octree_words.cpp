@@ -38,7 +38,7 @@ class Writer {
       const double steps = std::floor(node.clearance / data_.clearance_unit);
       return kind | static_cast<std::uint32_t>(std::clamp(steps, 0.0, 268435455.0)) << 4U;
     }
-    const std::uint32_t first = reserve(units_of(node.kind));
+    const std::uint32_t first = reserve(words_of(node.kind));
     write(node, first);
     return kind | first << 4U;
   }
@@ -54,45 +54,45 @@ class Writer {
     return atlas_.number(chart, node.cube.middle, node.cube.half);
   }
 
-  std::uint32_t reserve(std::uint32_t units) {
-    const auto first = static_cast<std::uint32_t>(data_.units.size() / 2);
+  std::uint32_t reserve(std::size_t words) {
+    const auto first = static_cast<std::uint32_t>(data_.words.size());
     if (first > 0x0FFFFFFF - 64) {
       throw BakeError(ExitCode::tolerance_not_met,
                       "the octree is too large; take a coarser tolerance");
     }
-    data_.units.resize(data_.units.size() + 2 * std::size_t{units});
+    data_.words.resize(data_.words.size() + words);
     return first;
   }
 
-  void write(const OctreeNode& node, std::uint32_t unit) {
-    const std::size_t at = 2 * std::size_t{unit};
+  /// Fills the words of a cube, which begin at a place.
+  void write(const OctreeNode& node, std::size_t at) {
     const double volume = node.cube.volume();
     switch (node.kind) {
       case OctreeKind::split: {
-        std::uint32_t units = 0, kinds = 0;
+        std::uint32_t words = 0, kinds = 0;
         for (std::uint32_t i = 0; i < 8; ++i) {
           const OctreeKind kind = (*node.octants)[i].kind;
-          units += units_of(kind);
+          words += words_of(kind);
           kinds |= static_cast<std::uint32_t>(kind) << (4 * i);
         }
-        const std::uint32_t first = reserve(units);
-        data_.units[at] = first;
-        data_.units[at + 1] = kinds;
+        const std::uint32_t first = reserve(words);
+        data_.words[at] = first;
+        data_.words[at + 1] = kinds;
         for (std::uint32_t i = 0; i < 8; ++i) {
-          write((*node.octants)[i], first + units_before(kinds, i));
+          write((*node.octants)[i], first + words_before(kinds, i));
         }
         break;
       }
       case OctreeKind::list:
         ++built_.counts.lists;
         built_.counts.list_volume += volume;
-        data_.units[at] = list_of(node, data_.units[at + 1]);
+        data_.words[at] = list_of(node, data_.words[at + 1]);
         break;
       case OctreeKind::map:
-        data_.units[at] = number_of(node, node.charts.front());
+        data_.words[at] = word_of_map(number_of(node, node.charts.front()));
         if (node.charts.size() > 1) {
-          data_.units[at + 1] =
-              (number_of(node, node.charts.back()) + 1) | (node.larger ? larger_bit : 0);
+          data_.words[at] =
+              word_of_maps(data_.words[at], number_of(node, node.charts.back()), node.larger);
         }
         ++(node.charts.size() > 1 ? built_.counts.map_pairs : built_.counts.maps);
         (node.charts.size() > 1 ? built_.counts.map_pair_volume : built_.counts.map_volume) +=
@@ -103,14 +103,28 @@ class Writer {
         break;
       case OctreeKind::far:
         break;
-      default:
-        if (node.kind != OctreeKind::deep) {
-          ++(node.kind == OctreeKind::polynomial ? built_.counts.polynomials : built_.counts.pairs);
-          built_.counts.polynomial_volume += volume;
-        }
-        std::copy(node.words.begin(), node.words.end(),
-                  data_.units.begin() + static_cast<std::ptrdiff_t>(at));
+      case OctreeKind::deep:
+        copy(node.words, at);
+        break;
+      case OctreeKind::polynomial:
+        ++built_.counts.polynomials;
+        built_.counts.polynomial_volume += volume;
+        copy(node.words, at);
+        break;
+      case OctreeKind::least:
+      case OctreeKind::most: {
+        ++built_.counts.pairs;
+        built_.counts.polynomial_volume += volume;
+        const std::uint32_t first = reserve(node.words.size());
+        data_.words[at] = first;
+        copy(node.words, first);
+        break;
+      }
     }
+  }
+
+  void copy(const std::vector<std::uint32_t>& words, std::size_t at) {
+    std::copy(words.begin(), words.end(), data_.words.begin() + static_cast<std::ptrdiff_t>(at));
   }
 
   [[nodiscard]] std::vector<Listed> entries_of(const std::vector<ListedCandidate>& listed) const {
@@ -124,9 +138,10 @@ class Writer {
   }
 
   /// The words of a list (TriangleList).
-  static std::vector<std::uint32_t> words_of(std::vector<Listed> solids, std::vector<Listed> sheets,
-                                             const std::vector<std::uint32_t>& crossed,
-                                             std::uint32_t& word) {
+  static std::vector<std::uint32_t> list_words(std::vector<Listed> solids,
+                                               std::vector<Listed> sheets,
+                                               const std::vector<std::uint32_t>& crossed,
+                                               std::uint32_t& word) {
     TriangleList list{.solids = static_cast<std::uint32_t>(solids.size()),
                       .sheets = static_cast<std::uint32_t>(sheets.size()),
                       .crossed = static_cast<std::uint32_t>(crossed.size())};
@@ -172,7 +187,7 @@ class Writer {
     std::vector<std::uint32_t> crossed;
     for (const std::uint32_t triangle : node.crossed) crossed.push_back(numbers_[triangle]);
     const std::vector<std::uint32_t> words =
-        words_of(entries_of(node.solids), entries_of(node.sheets), crossed, word);
+        list_words(entries_of(node.solids), entries_of(node.sheets), crossed, word);
     const auto first = static_cast<std::uint32_t>(data_.lists.size());
     const auto [found, fresh] = known_.emplace(std::pair(word, words), first);
     if (fresh) data_.lists.insert(data_.lists.end(), words.begin(), words.end());
@@ -191,7 +206,7 @@ void write_words(const OctreeRoots& roots, const LatticeSurface& surface, const 
       write_triangles(surface, used_triangles(surface, roots), data);
   Writer writer(numbers, atlas, built);
   for (const OctreeNode& root : roots.nodes) data.root_words.push_back(writer.root_word(root));
-  built.counts.bytes = 4 * (data.root_words.size() + data.units.size() + data.lists.size() +
+  built.counts.bytes = 4 * (data.root_words.size() + data.words.size() + data.lists.size() +
                             data.corners.size() + data.triangles.size() + data.sides.size());
 }
 

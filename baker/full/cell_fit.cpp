@@ -205,7 +205,7 @@ CellFitter::Reply CellFitter::ask(std::uint32_t candidate, const Sample& sample)
   const MapClosestPoint closest_point =
       closest_on_map(map, layer, asset_.planes[map.plane], sample.point);
   if (!std::isfinite(closest_point.rank)) return {};
-  const double side = side_of_crossing(map.first_layer + layer);
+  const double side = side_of_crossing(layer);
   return {closest_point.valid, side * closest_point.distance, closest_point.rank, candidate,
           closest_point.cell};
 }
@@ -213,7 +213,7 @@ CellFitter::Reply CellFitter::ask(std::uint32_t candidate, const Sample& sample)
 Vector3 CellFitter::normal_of(const Reply& reply) const {
   const auto [which, layer] = unpack_candidate(reply.candidate);
   const DistanceMap& map = asset_.maps[which];
-  const double side = side_of_crossing(map.first_layer + layer);
+  const double side = side_of_crossing(layer);
   return side * normal_at(map, layer, asset_.planes[map.plane], reply.cell);
 }
 

@@ -189,10 +189,8 @@ class SliverRemoval {
     }
     split_.insert(side);
     double displaced = 0;
-    bool bare = false;
     for (const std::uint32_t other : around) {
       displaced = std::max(displaced, displaced_[other] + height_of(corners));
-      bare = bare || triangles_[other].bare;
     }
     for (const std::uint32_t other : around) {
       const LooseTriangle whole = triangles_[other];
@@ -200,7 +198,6 @@ class SliverRemoval {
       if (has(whole, c)) continue;
       for (const std::uint32_t end : {side.first, side.second}) {
         LooseTriangle part = whole;
-        part.bare = bare;
         std::replace(part.corners.begin(), part.corners.end(), end, c);
         add(part, displaced);
       }

@@ -12,7 +12,6 @@ namespace spm::baker {
 struct LooseTriangle {
   Triangle corners{};
   bool sheet = false;
-  bool bare = false;         ///< no tile shows it
   std::uint32_t parent = 0;  ///< the triangle that it is a piece of, where that is asked
 };
 

@@ -25,7 +25,6 @@ struct Pruned {
   std::uint64_t bytes = 0;
 };
 
-/// Results of a bake, besides the asset.
 /// From what places are answered: shares that sum to 1, or are 0.
 struct AnswerShares {
   double one_map = 0, two_maps = 0, polynomials = 0, triangles = 0;
@@ -38,17 +37,14 @@ struct AnswerShares {
   }
 };
 
+/// Results of a bake, besides the asset.
 struct BakeReport {
   std::uint64_t samples = 0;  ///< height samples stored
   std::uint64_t rays = 0;
   std::uint64_t record_cells = 0;    ///< cells of space that touch the band
   AnswerShares answers;              ///< of the band's volume
   std::uint64_t fallback_cells = 0;  ///< of them, cells that triangles answer
-  // Of the sparse form's proof.
-  std::uint64_t refused_tile_cells =
-      0;                     ///< cells of tiles that could not be proven and were removed
-  double fallback_area = 0;  ///< share of the surface that triangles represent
-  double seconds_fit = 0;    ///< hull, planes, choice of maps and partition
+  double seconds_fit = 0;            ///< hull, planes, choice of maps and partition
   double seconds_cast = 0;
   StageTimes stages;
   std::vector<Pruned> pruned;

@@ -11,7 +11,7 @@
 #include <optional>
 #include <utility>
 
-#include "baker/tiles/tile_cells.hpp"
+#include "common/query/octree_query.hpp"
 #include "common/surface/distance_map.hpp"
 
 namespace spm::baker {
@@ -57,7 +57,15 @@ void widen(Extent& extent, double eta0, double omega0, double width, double heig
   extent.top = std::max(extent.top, omega0 + height);
 }
 
-double side_of(const Tile& tile) { return tile_cells * static_cast<double>(tile.spacing); }
+/// Where a chart's spline is defined, on its plane.
+Extent extent_of(const HeightChart& chart, const SupportPlane& plane) {
+  const double spacing = chart.spacing();
+  const double column = 0.5 - chart.column.at(plane.x0), row = 0.5 - chart.row.at(plane.x0);
+  Extent extent;
+  widen(extent, spacing * column, spacing * row, spacing * (chart.columns - 2),
+        spacing * (chart.rows - 2));
+  return extent;
+}
 
 Extent extent_of(const AssetView& asset, std::size_t plane) {
   Extent extent;
@@ -66,8 +74,10 @@ Extent extent_of(const AssetView& asset, std::size_t plane) {
     widen(extent, map.eta0, map.omega0, (map.columns - 1) * map.spacing,
           (map.rows - 1) * map.spacing);
   }
-  for (const Tile& tile : asset.tiles) {
-    if (tile.plane == plane) widen(extent, tile.eta0, tile.omega0, side_of(tile), side_of(tile));
+  for (const HeightChart& chart : asset.charts) {
+    if (chart.plane != plane) continue;
+    const Extent of = extent_of(chart, asset.planes[plane]);
+    widen(extent, of.left, of.bottom, of.right - of.left, of.top - of.bottom);
   }
   return extent;
 }
@@ -119,23 +129,33 @@ void draw_map(Canvas& canvas, const DistanceMap& map) {
                });
 }
 
-void draw_tile(Canvas& canvas, const Tile& tile, float height_unit) {
-  TileHeights heights;
-  tile_heights(tile, height_unit, heights);
-  const auto spacing = static_cast<double>(tile.spacing);
-  visit_pixels(canvas, tile.eta0, tile.omega0, side_of(tile), side_of(tile),
-               [&](Height& pixel, double eta, double omega) {
-                 const double x = (eta - tile.eta0) / spacing, y = (omega - tile.omega0) / spacing;
-                 if (!(x >= 0 && y >= 0 && x < tile_cells && y < tile_cells)) return;
-                 const auto column = static_cast<std::uint32_t>(x);
-                 const auto row = static_cast<std::uint32_t>(y);
-                 const std::uint32_t cell = row * tile_cells + column;
-                 if (((tile.valid >> cell) & 1U) == 0) return;
-                 const double from_x = x - column - 0.5, from_y = y - row - 0.5;
-                 const std::optional<Clip> clip = clip_of(tile, cell);
-                 if (clip && beyond_clip(*clip, from_x, from_y) > 0) return;
-                 show(pixel, height_at(tile, heights, cell, from_x, from_y));
-               });
+/// Whether a place on a chart is surface by the asset's answers, and by that chart.
+bool is_shown_by(const AssetView& asset, std::uint32_t chart, const Vector3& place) {
+  const Leaf leaf = leaf_at(asset.octree, place);
+  const std::uint32_t* words = words_at(asset.octree, leaf);
+  if (leaf.kind != OctreeKind::map || words == nullptr) return false;
+  const NamedMaps maps(words[0]);
+  if (maps.first != chart && maps.second_from_one != chart + 1) return false;
+  return std::abs(query_leaf(asset, leaf, place).distance) <= asset.tolerance;
+}
+
+void draw_chart(Canvas& canvas, const AssetView& asset, std::uint32_t number) {
+  const HeightChart& chart = asset.charts[number];
+  const SupportPlane& plane = asset.planes[chart.plane];
+  const Extent of = extent_of(chart, plane);
+  visit_pixels(
+      canvas, of.left, of.bottom, of.right - of.left, of.top - of.bottom,
+      [&](Height& pixel, double eta, double omega) {
+        const Vector3 on_plane = support_plane_point(plane, eta, omega);
+        MapContact contact;
+        if (!contact_on(chart, on_plane, contact)) return;
+        // S_SP is 0 on the plane.
+        const Height height{-contact.penetration, contact.normal.dot(plane.u),
+                            contact.normal.dot(plane.v)};
+        if (!is_shown_by(asset, number, reconstructed_surface(plane, eta, omega, height.value)))
+          return;
+        show(pixel, height);
+      });
 }
 
 /// Light on a surface of that slope, which comes from the upper left of the picture and above.
@@ -173,8 +193,8 @@ Canvas canvas_of(const AssetView& asset, std::size_t plane, std::uint32_t longes
   for (const DistanceMap& map : asset.maps) {
     if (map.plane == plane) draw_map(canvas, map);
   }
-  for (const Tile& tile : asset.tiles) {
-    if (tile.plane == plane) draw_tile(canvas, tile, asset.height_unit);
+  for (std::uint32_t i = 0; i < asset.charts.size(); ++i) {
+    if (asset.charts[i].plane == plane) draw_chart(canvas, asset, i);
   }
   return canvas;
 }

@@ -3,7 +3,6 @@
 
 #include <fmt/format.h>
 
-#include <bit>
 #include <cmath>
 #include <limits>
 #include <numbers>
@@ -15,23 +14,24 @@
 #include "baker/charts/chart_heights.hpp"
 #include "baker/charts/plane_charts.hpp"
 #include "baker/field/octree_build.hpp"
-#include "baker/pipeline/surface_tiles.hpp"
 #include "baker/planes/planes.hpp"
 #include "baker/reachability/reachability.hpp"
-#include "baker/tiles/tile_fit.hpp"
 #include "baker/trials/served_trials.hpp"
-#include "common/surface/distance_map.hpp"
+#include "common/surface/height_chart.hpp"
 #include "formats/asset/asset_writer.hpp"
 
 namespace spm::baker {
 
 namespace {
 
-/// Of tiles and polynomials, and of the distance maps that answer.
+/// Of polynomials, and of the distance maps that answer.
 constexpr std::size_t directions = 8, map_directions = 20;
-/// The coarsest spacing of these maps, of the diagonal, and how often it is halved.
-constexpr double map_spacing_share = 1.0 / 64;
-constexpr std::uint32_t map_levels = 2;
+/// The coarsest spacing of these maps, of the diagonal, which flat charts have; that of others is
+/// halved down to a 64th, and once more where it must be. Flat is what is so within a share of the
+/// tolerance.
+constexpr double map_spacing_share = 1.0 / 2;
+constexpr std::uint32_t curved_level = 5, map_levels = 7;
+constexpr double flat_share = 0.02;
 /// How far maps go on over what other planes see better, in depths of the band and spacings.
 constexpr double reach_depths = 1, reach_spacings = 2;
 /// Tolerances below this share of the diagonal are not proven, since the rounding of queries is no
@@ -39,10 +39,13 @@ constexpr double reach_depths = 1, reach_spacings = 2;
 constexpr double min_tolerance_share = 1e-5;
 /// Directions may be off by so many times what is asked for in the mean over a cube: over all cubes
 /// their median stays below that, and their 99th percentile below 3.75 times.
-constexpr double leaf_direction = 1.8;
-/// The smallest cubes of the octree, of the band's depth, and how often roots are halved to them:
-/// so often that there are about this many along diagonal and margins.
-constexpr double smallest_share = 0.25;
+/// Where little is asked for, what facets turn by counts in all cubes, and they are alike.
+constexpr double leaf_direction = 1.8, fine_direction = 0.06, fine_leaf_direction = 1.5;
+/// The smallest cubes of the octree, of the band's depth, but in a thin band no smaller than the
+/// lesser of so many tolerances and that share of the diagonal: smaller ones take more bytes than
+/// they save. Roots are halved to them so often that there are about this many along diagonal and
+/// margins.
+constexpr double smallest_share = 0.25, smallest_tolerances = 10, smallest_of_diagonal = 1.0 / 200;
 constexpr double roots_along = 32;
 /// Where the tolerance is above this share of an edge, cubes of twice that edge may take fewer
 /// bytes.
@@ -63,64 +66,20 @@ double working_tolerance(const AssetMetadata& metadata, const Caster& caster) {
   return std::max(std::min(*metadata.tolerance, coarsest), min_tolerance_share * caster.diagonal());
 }
 
-/// Finds which crossing along the rays of its plane each tile is, by the ray through its first
-/// valid cell.
-CastCounts count_layers(Asset& asset, const Caster& caster) {
+/// Crossings along one ray of each distance map.
+CastCounts count_layers(const AssetView& asset, const Caster& caster) {
   CastCounts counts;
-  counts.rays = asset.tiles.size();
-  for (TileData& data : asset.tiles) {
-    const Tile tile = view_of(data, asset.metadata.tile_spacing, asset.metadata.height_unit);
-    const auto cell = static_cast<std::uint32_t>(std::countr_zero(tile.valid));
-    const auto spacing = static_cast<double>(tile.spacing);
-    const std::uint32_t row = cell / tile_cells;
-    const double x = cell % tile_cells + 0.5, y = row + 0.5;
+  counts.rays = asset.charts.size();
+  for (const HeightChart& chart : asset.charts) {
+    const SupportPlane& plane = asset.planes[chart.plane];
+    const Vector3 place = chart_point(chart, plane, chart.columns / 2.0, chart.rows / 2.0);
     Column column;
-    caster.cast(asset.planes[tile.plane], tile.eta0 + x * spacing, tile.omega0 + y * spacing,
-                column);
-    TileHeights heights;
-    tile_heights(tile, static_cast<float>(asset.metadata.height_unit), heights);
-    const double depth =
-        tile.base + static_cast<double>(heights[row * tile_samples + cell % tile_cells]);
-    double least = std::numeric_limits<double>::infinity();
-    for (std::size_t i = 0; i < column.crossings.size() && i < 256; ++i) {
-      const double off = std::abs(column.crossings[i].depth - depth);
-      if (!column.crossings[i].entry || off >= least) continue;
-      least = off;
-      data.first_layer = static_cast<std::uint32_t>(i);
-    }
+    caster.cast(plane, plane.u.dot(place - plane.x0), plane.v.dot(place - plane.x0), column);
     counts.inconsistent += column.consistent ? 0 : 1;
     counts.layers_max =
         std::max(counts.layers_max, static_cast<std::uint32_t>(column.crossings.size()));
   }
   return counts;
-}
-
-/// Whether the middle of a valid cell of a tile has an answer.
-bool shows_answers(const AssetView& view, const Tile& tile) {
-  const SupportPlane& plane = view.planes[tile.plane];
-  TileHeights heights;
-  tile_heights(tile, view.height_unit, heights);
-  const auto spacing = static_cast<double>(tile.spacing);
-  for (std::uint32_t cell = 0; cell < tile_cell_count; ++cell) {
-    if (((tile.valid >> cell) & 1U) == 0) continue;
-    const std::uint32_t column = cell % tile_cells, row = cell / tile_cells;
-    const double depth = tile.base + static_cast<double>(heights[row * tile_samples + column]);
-    const Vector3 place = reconstructed_surface(plane, tile.eta0 + column * spacing,
-                                                tile.omega0 + row * spacing, depth);
-    if (leaf_at(view.octree, place).kind != OctreeKind::pruned) return true;
-  }
-  return false;
-}
-
-/// Leaves out tiles that show no place with an answer.
-void drop_pruned_tiles(Asset& asset) {
-  const AssetTables tables = tables_of(asset);
-  const AssetView& view = tables.view();
-  std::vector<TileData> kept;
-  for (std::size_t i = 0; i < asset.tiles.size(); ++i) {
-    if (shows_answers(view, view.tiles[i])) kept.push_back(asset.tiles[i]);
-  }
-  asset.tiles = std::move(kept);
 }
 
 AnswerShares answers_of(const OctreeCounts& counts) {
@@ -153,7 +112,9 @@ OctreeRules rules_for(const BakeOptions& options, const Asset& asset, const Cast
   }
   rules.band = metadata.band;
   rules.tolerance = tolerance;
-  rules.direction = leaf_direction * options.direction_tolerance;
+  rules.direction =
+      (options.direction_tolerance < fine_direction ? fine_leaf_direction : leaf_direction) *
+      options.direction_tolerance;
   rules.smallest_edge = smallest_edge;
   rules.levels = 0;
   const double extent = caster.diagonal() + 2 * metadata.band.margin;
@@ -167,7 +128,9 @@ OctreeRules rules_for(const BakeOptions& options, const Asset& asset, const Cast
 /// The edges of the smallest cubes that are tried, m; the octree of the fewest bytes counts.
 std::vector<double> smallest_edges(const BakeOptions& options, const Band& band,
                                    const Caster& caster, double tolerance) {
-  const double fine = std::clamp(smallest_share * depth_of(band), tolerance,
+  const double thin =
+      std::min(smallest_tolerances * tolerance, smallest_of_diagonal * caster.diagonal());
+  const double fine = std::clamp(std::max(smallest_share * depth_of(band), thin), tolerance,
                                  std::max(tolerance, caster.diagonal() / 16));
   if (tolerance <= coarse_share * fine) return {fine};
   if (options.max_bytes) return {2 * fine};
@@ -196,22 +159,15 @@ void bake_sparse(BakeResult& result, const OuterSurface& surface, const Caster& 
   const double tolerance = working_tolerance(metadata, caster);
   asset.planes = vertex_based_planes(hull, directions);
   metadata.kind = "vertex";
-  // The file stores these planes with fewer digits. The rays must start from the planes that the
-  // servo will read.
+  // The file stores these planes with fewer digits.
   round_to_stored(asset);
 
   const Clock::time_point started = Clock::now();
-  SurfaceTiles known = show_surface(caster, asset, tolerance, options.seed, progress);
-  asset.tiles = std::move(known.tiles);
-  counts = count_layers(asset, caster);
-  report.seconds_cast = seconds_since(started);
-  report.stages.end("tiles");
-
   const Reachability reachability(caster, metadata.band, options.probe_radius, options.workspace,
                                   progress);
   report.stages.end("reachability");
   if (progress) progress("lattice", 0);
-  const LatticeSurface lattice = round_to_lattice(surface, caster, known.bare, tolerance);
+  const LatticeSurface lattice = round_to_lattice(surface, caster, tolerance);
   const Caster& rounded = *lattice.caster;
   report.stages.end("lattice");
   std::vector<SupportPlane> map_planes = vertex_based_planes(hull, map_directions);
@@ -219,8 +175,15 @@ void bake_sparse(BakeResult& result, const OuterSurface& surface, const Caster& 
   const auto map_spacing =
       static_cast<double>(static_cast<float>(map_spacing_share * caster.diagonal()));
   const PlaneCharts charts(lattice.surface, map_planes,
-                           reach_depths * depth_of(metadata.band) + reach_spacings * map_spacing);
-  const ChartHeights heights(lattice.surface, map_planes, charts, map_spacing, map_levels);
+                           reach_depths * depth_of(metadata.band) +
+                               std::ldexp(reach_spacings * map_spacing, -int{curved_level}));
+  const Clock::time_point casting = Clock::now();
+  const ChartHeights heights(lattice.surface, map_planes, charts,
+                             {.coarsest = map_spacing,
+                              .curved = curved_level,
+                              .levels = map_levels,
+                              .flat_within = flat_share * tolerance});
+  report.seconds_cast = seconds_since(casting);
   report.stages.end("charts");
   std::optional<BuiltOctree> built;
   ProvenMaps proven;
@@ -230,15 +193,19 @@ void bake_sparse(BakeResult& result, const OuterSurface& surface, const Caster& 
     return build_octree(lattice, rounded, asset.planes, heights,
                         reachability.cuts() ? &reachability : nullptr, rules, cubes, progress);
   };
+  const auto build_alone = [&](double edge) {
+    ProvenMaps alone;
+    return build(edge, false, alone);
+  };
   const auto try_edge = [&](double edge) {
     std::optional<BuiltOctree> next;
     try {
       next = build(edge, true, proven);
+      if (next->atlas.charts.size() > max_named_maps) next = build_alone(edge);
     } catch (const BakeError& error) {
       // Heights take bytes that few places share; polynomials alone may take fewer.
       if (!options.max_bytes || error.code() != ExitCode::tolerance_not_met) throw;
-      ProvenMaps alone;
-      next = build(edge, false, alone);
+      next = build_alone(edge);
     }
     if (!built || std::pair(next->untold, next->counts.bytes) <
                       std::pair(built->untold, built->counts.bytes)) {
@@ -256,22 +223,18 @@ void bake_sparse(BakeResult& result, const OuterSurface& surface, const Caster& 
   asset.atlas = std::move(built->atlas);
   asset.planes.insert(asset.planes.end(), built->planes.begin(), built->planes.end());
   report.stages.end("octree");
-  if (reachability.cuts()) {
-    drop_pruned_tiles(asset);
-    report.pruned = pruned_by(built->counts, reachability);
-  }
+  if (reachability.cuts()) report.pruned = pruned_by(built->counts, reachability);
   asset.metadata.certified = tolerance;
   metadata.tried_area = tried_area(lattice, rounded);
   const AssetTables tables = tables_of(asset);
+  counts = count_layers(tables.view(), caster);
   result.served = try_served(tables.view(), caster, options.seed);
   report.stages.end("trials");
   report.seconds_fit += seconds_since(started) - report.seconds_cast;
-  report.samples = asset.atlas.heights.size() + asset.tiles.size() * tile_sample_count;
+  report.samples = asset.atlas.heights.size();
   report.record_cells = built->counts.leaves();
   report.fallback_cells = built->counts.lists;
   report.answers = answers_of(built->counts);
-  report.refused_tile_cells = known.refused_cells;
-  report.fallback_area = known.bare_share;
 }
 
 }  // namespace spm::baker

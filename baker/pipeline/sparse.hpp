@@ -10,8 +10,8 @@
 
 namespace spm::baker {
 
-/// Fills a `sparse` asset and the report: the tiles that show the surface, and the octree that
-/// answers, which is proven. The asset's metadata must have band, probe and tolerance. Throws
+/// Fills a `sparse` asset and the report: distance maps, and the octree that answers, which is
+/// proven. The asset's metadata must have band, probe and tolerance. Throws
 /// BakeError where nothing of the object is left to model.
 void bake_sparse(BakeResult& result, const OuterSurface& surface, const Caster& caster,
                  const Hull& hull, const BakeOptions& options, const Progress& progress,

@@ -3,9 +3,9 @@
 
 #include <memory>
 
-#include "baker/pictures/export.hpp"
 #include "baker/report/report_page.hpp"
 #include "baker/verify/render.hpp"
+#include "common/contour/contour_mesh.hpp"
 #include "formats/asset/mapped_asset.hpp"
 
 namespace spm::baker {
@@ -15,6 +15,7 @@ using Json = nlohmann::ordered_json;
 namespace {
 
 constexpr std::uint32_t thumbnail_side = 96;
+constexpr int thumbnail_cells = 64;  ///< along the longest edge, of the surface's grid
 constexpr double um_per_m = 1e6;
 
 /// A value deep in a line, null where it is not there.
@@ -47,7 +48,7 @@ Json row_of(const BatchLine& asset, bool with_picture) {
               {"cache_reason", value_at(line, "cache_reason")},
               {"notes", value_at(line, "notes")}};
   if (line.value("ok", Json()) != true) return row;
-  const auto opened = MappedAsset::open(asset.file, {.tiles = true});
+  const auto opened = MappedAsset::open(asset.file);
   if (!opened) {
     row["notes"] = Json::array({opened.error().message});
     return row;
@@ -64,7 +65,7 @@ Json row_of(const BatchLine& asset, bool with_picture) {
 
 Picture thumbnail(const AssetView& asset, const AssetMetadata& metadata, std::uint32_t side) {
   const Vector3 toward = Vector3(0.5, 0.42, 0.85).normalized();
-  return render(caster_of(known_surface(asset)),
+  return render(caster_of(contour_mesh(asset, thumbnail_cells)),
                 whole_of(metadata.box_min, metadata.box_max, toward), side);
 }
 

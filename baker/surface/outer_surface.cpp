@@ -35,7 +35,7 @@ constexpr double hair = 1e-7;
   const std::vector<PieceWinding> sides = winding_of_pieces(split, solids, winding, mesh.diagonal);
   std::vector<LooseTriangle> loose;
   for (std::size_t piece = 0; piece < split.pieces.size(); ++piece) {
-    LooseTriangle one{split.pieces[piece], piece >= solids, false, split.parents[piece]};
+    LooseTriangle one{split.pieces[piece], piece >= solids, split.parents[piece]};
     if (!one.sheet) {
       const PieceWinding& here = sides[piece];
       if ((here.front > 0) == (here.back > 0)) {

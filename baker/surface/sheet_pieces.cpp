@@ -80,7 +80,7 @@ std::vector<LooseTriangle> felt_of_sheets(const Mesh& mesh,
   for (const auto& [sheet, pieces] : sheets) {
     if (pieces.felt.empty()) continue;
     if (!pieces.any_hidden) {
-      felt.push_back({mesh.triangles[sheet], true, false, sheet});
+      felt.push_back({mesh.triangles[sheet], true, sheet});
       continue;
     }
     StraightSides sides(points, touching);
@@ -95,7 +95,7 @@ std::vector<LooseTriangle> felt_of_sheets(const Mesh& mesh,
   for (std::size_t piece = 0; piece < split.pieces.size(); ++piece) {
     const auto& [a, b, c] = split.pieces[piece];
     const std::array<Vector3, 3> corners{split.points[a], split.points[b], split.points[c]};
-    const LooseTriangle one{split.pieces[piece], true, false, cut[split.parents[piece]]};
+    const LooseTriangle one{split.pieces[piece], true, cut[split.parents[piece]]};
     // Hairs between a cut and a side that it ends at are part of neither.
     if (triangle_height(corners[0], corners[1], corners[2]) > touching && is_felt(corners, one)) {
       felt.push_back(one);

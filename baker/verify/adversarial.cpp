@@ -76,26 +76,18 @@ Vector3 AdversarialPlaces::about_edge(const Draw& draw) const {
   return start.position + offset * direction_of(draw.at(5), draw.at(6));
 }
 
-/// Above or below the border of a cell of a tile, within the band.
-Vector3 AdversarialPlaces::beside_cell(const Draw& draw) const {
-  const Tile& tile = view_.tiles[draw.below(0, view_.tiles.size())];
-  const SupportPlane& plane = view_.planes[tile.plane];
-  TileHeights heights;
-  tile_heights(tile, view_.height_unit, heights);
-  const auto column = static_cast<std::size_t>(draw.at(1) * tile_samples);
-  const double row = draw.at(2) * tile_cells;
-  const auto below = static_cast<std::size_t>(row);
-  const double share = row - static_cast<double>(below);
-  const auto at = [&](std::size_t j) {
-    return static_cast<double>(
-        heights[std::min<std::size_t>(j, tile_cells) * tile_samples + column]);
-  };
-  const auto spacing = static_cast<double>(tile.spacing);
-  const double x = static_cast<double>(column) * spacing, y = row * spacing;
-  const double depth = tile.base + (1 - share) * at(below) + share * at(below + 1);
+/// Above or below a border of two pieces of a distance map's spline, within the band.
+Vector3 AdversarialPlaces::beside_piece(const Draw& draw) const {
+  const HeightChart& chart = view_.charts[draw.below(0, view_.charts.size())];
+  const double column = 0.5 + static_cast<double>(draw.below(1, chart.columns - 1));
+  const double row = 0.5 + draw.at(2) * (chart.rows - 2);
+  const Vector3 below = chart_point(chart, view_.planes[chart.plane], column, row);
+  const Vector3& n = view_.planes[chart.plane].n;
+  MapContact contact;
+  const double depth = contact_on(chart, below, contact) ? -contact.penetration : 0;
   const Band& band = view_.band;
   const double height = -band.max_depth + (band.max_depth + band.margin) * draw.at(3);
-  return support_plane_point(plane, tile.eta0 + x, tile.omega0 + y) + (height - depth) * plane.n;
+  return below + (height - depth) * n;
 }
 
 /// From a corner of the asset's triangles, just beyond the tolerance, along a normal or an edge of
@@ -132,7 +124,7 @@ Vector3 AdversarialPlaces::at(std::uint64_t seed, std::uint64_t index) const {
     case 1:
       return about_edge(draw);
     case 2:
-      if (!view_.tiles.empty()) return beside_cell(draw);
+      if (!view_.charts.empty()) return beside_piece(draw);
       break;
     case 3:
     case 4:

@@ -31,7 +31,7 @@ class AdversarialPlaces {
   std::vector<std::uint32_t> first_, around_;
 
   [[nodiscard]] Vector3 about_edge(const Draw& draw) const;
-  [[nodiscard]] Vector3 beside_cell(const Draw& draw) const;
+  [[nodiscard]] Vector3 beside_piece(const Draw& draw) const;
   [[nodiscard]] Vector3 at_ends_of_cones(const Draw& draw) const;
 };
 

@@ -22,19 +22,19 @@ constexpr std::uint64_t numbers = 4;  // random, for each draw
 
 /// What was found at one place of a border.
 struct Jump {
-  bool drawn = false;                             ///< a place where both sides answer was found
-  bool contested = false;                         ///< close to the medial axis
-  std::pair<std::uint32_t, std::uint32_t> units;  ///< of the two leaves, the lower first
-  double distance = 0;                            ///< m
-  double direction = -1;                          ///< rad; negative where none is defined
+  bool drawn = false;                              ///< a place where both sides answer was found
+  bool contested = false;                          ///< close to the medial axis
+  std::pair<std::uint32_t, std::uint32_t> leaves;  ///< their words, the lower first
+  double distance = 0;                             ///< m
+  double direction = -1;                           ///< rad; negative where none is defined
   Vector3 place = Vector3::Zero();
 };
 
-/// Leaves that may answer `exact`. Each has words of its own, so its first unit names it.
+/// Leaves that may answer `exact`. Each has words of its own, so the place of the first names it.
 std::vector<Leaf> answering_leaves(const DistanceOctree& octree) {
   std::vector<Leaf> leaves;
   visit_leaves(octree, [&leaves](const Leaf& leaf) {
-    if (leaf.kind >= OctreeKind::list) leaves.push_back(leaf);
+    if (has_answers(leaf.kind)) leaves.push_back(leaf);
   });
   return leaves;
 }
@@ -59,7 +59,7 @@ Jump draw(const JumpSetting& setting, const std::vector<Leaf>& leaves, std::uint
   jump.drawn = from.status == Status::exact && to.status == Status::exact &&
                std::min(from.distance, to.distance) >= -setting.band.max_depth;
   if (!jump.drawn) return jump;
-  jump.units = std::minmax(leaf.unit, leaf_at(setting.view.octree, there).unit);
+  jump.leaves = std::minmax(leaf.word, leaf_at(setting.view.octree, there).word);
   jump.distance = std::abs(from.distance - to.distance);
   jump.direction = std::atan2(from.normal.cross(to.normal).norm(), from.normal.dot(to.normal));
   return jump;
@@ -105,7 +105,7 @@ JumpReport border_jumps(const JumpSetting& setting, std::uint64_t count) {
   for (const Jump& jump : jumps) {
     if (!jump.drawn) continue;
     ++report.places;
-    borders.push_back(jump.units);
+    borders.push_back(jump.leaves);
     distances.push_back(jump.distance);
     // A distance that is not a number is no less bad than one that is too far off.
     report.beyond += jump.distance <= report.allowed ? 0 : 1;

@@ -89,10 +89,13 @@ Window whole_of(const Vector3& low, const Vector3& high, const Vector3& toward) 
   return {(low + high) / 2, toward, room * std::max(width, height)};
 }
 
-Caster caster_of(const KnownSurface& surface) {
+Caster caster_of(const ContourMesh& surface) {
   OuterSurface loose;
   for (const auto& [x, y, z] : surface.vertices) loose.vertices.emplace_back(x, y, z);
-  loose.triangles = surface.triangles;
+  for (std::size_t i = 0; i + 2 < surface.triangles.size(); i += 3) {
+    loose.triangles.push_back(
+        {surface.triangles[i], surface.triangles[i + 1], surface.triangles[i + 2]});
+  }
   loose.solid_count = loose.triangles.size();
   return Caster(loose);
 }

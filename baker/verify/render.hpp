@@ -5,9 +5,9 @@
 #include <optional>
 
 #include "baker/cast/cast.hpp"
-#include "baker/pictures/export.hpp"
 #include "baker/pictures/picture.hpp"
 #include "baker/verify/exact_surface.hpp"
+#include "common/contour/contour_mesh.hpp"
 
 namespace spm::baker {
 
@@ -25,7 +25,7 @@ struct Window {
 [[nodiscard]] Picture render(const Caster& surface, const Window& window, std::uint32_t side);
 
 /// A caster over the surface as an asset holds it.
-[[nodiscard]] Caster caster_of(const KnownSurface& surface);
+[[nodiscard]] Caster caster_of(const ContourMesh& surface);
 
 /// The colour of a place, m; empty where there is nothing to tell.
 using ColourAt = std::function<std::optional<Colour>(const Vector3& place)>;

@@ -18,19 +18,18 @@ std::optional<Colour> colour_in_octree(const DistanceOctree& octree, const Leaf&
   namespace colours = structure_colours;
   switch (leaf.kind) {
     case OctreeKind::map: {
-      const std::uint32_t* unit = units_at(octree, leaf);
-      if (unit == nullptr) return std::nullopt;
-      return unit[1] == 0 ? colours::one_map : colours::two_maps;
+      const std::uint32_t* words = words_at(octree, leaf);
+      if (words == nullptr) return std::nullopt;
+      return NamedMaps(words[0]).two() ? colours::two_maps : colours::one_map;
     }
     case OctreeKind::polynomial:
-      return colours::one_map;
     case OctreeKind::least:
     case OctreeKind::most:
-      return colours::two_maps;
+      return colours::polynomial;
     case OctreeKind::list: {
-      const std::uint32_t* unit = units_at(octree, leaf);
-      if (unit == nullptr) return std::nullopt;
-      return list_of(octree, unit).size() > packet_size ? colours::long_list : colours::list;
+      const std::uint32_t* words = words_at(octree, leaf);
+      if (words == nullptr) return std::nullopt;
+      return list_of(octree, words).size() > packet_size ? colours::long_list : colours::list;
     }
     case OctreeKind::deep:
       return colours::deep;

@@ -90,8 +90,9 @@ class Legends {
     return {"What answers where. Left: on the surface. Right: in a cut through the band, " +
                 length_text(cut.edge) + " wide. The length is that of the left one." + from_,
             {},
-            {{colours::one_map, "one map or polynomial"},
+            {{colours::one_map, "one distance map"},
              {colours::two_maps, "two"},
+             {colours::polynomial, "polynomials"},
              {colours::list, "up to 8 triangles"},
              {colours::long_list, "more triangles"},
              {colours::deep, "deeper than the band"},
@@ -129,7 +130,7 @@ std::vector<NamedPicture> error_pictures(const AssetView& view, const AssetMetad
   const double tolerance = answer_tolerance(metadata);
   const ExactSurface exact(mesh, metadata.sheet_thickness, tolerance);
   const Caster surface = caster_to_see(outer_surface(mesh));
-  const Caster known = caster_of(known_surface(view));
+  const Caster known = caster_of(contour_mesh(view, picture_cells));
 
   const bool hard = report.adversarial.distance.max > report.distance.max;
   const Vector3 largest = hard ? report.adversarial.worst_point : report.worst_point;

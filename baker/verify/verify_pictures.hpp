@@ -9,6 +9,9 @@
 
 namespace spm::baker {
 
+/// Cells along the longest edge, of the grid of the surface that pictures show.
+inline constexpr int picture_cells = 160;
+
 /// A picture and the name of its file.
 struct NamedPicture {
   const char* name = "";

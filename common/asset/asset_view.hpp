@@ -11,7 +11,6 @@
 #include "common/surface/distance_map.hpp"
 #include "common/surface/height_chart.hpp"
 #include "common/surface/support_plane.hpp"
-#include "common/surface/tile.hpp"
 
 namespace spm {
 
@@ -95,10 +94,6 @@ enum class CellKind : std::uint32_t {
 struct AssetView {
   std::span<const SupportPlane> planes;
   std::span<const DistanceMap> maps;
-  std::span<const Tile> tiles;  ///< `sparse` only, where they were asked for at opening: what the
-                                ///< asset shows of its surface; no answer depends on them
-  bool tiles_left_out = false;  ///< the asset has tiles, but they were not asked for
-  float height_unit = 1;        ///< m per unit of the tiles' heights
   std::span<const HeightChart> charts;  ///< `sparse` only: the distance maps that answer
   std::span<const float> atlas;         ///< `sparse` only: the heights of all charts
   std::span<const float> triangles;     ///< `full` only: of the fallback, three corners each, m

@@ -1,10 +1,12 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstdint>
 #include <span>
 
 #include "common/asset/asset_view.hpp"
+#include "common/base/octant.hpp"
 
 namespace spm {
 
@@ -47,6 +49,30 @@ class GridList {
 /// True where a word of the index, or of an octant, is that of a split cell.
 [[nodiscard]] constexpr bool is_split(std::uint32_t word) noexcept {
   return static_cast<CellKind>(word >> 30U) == CellKind::record && (word & split_bit) != 0;
+}
+
+/// The word for the surroundings of a point: that of its grid cell, or of an octant of a split
+/// cell.
+[[nodiscard]] inline std::uint32_t grid_word_at(const Grid& grid, const Vector3& point) noexcept {
+  constexpr std::uint32_t nothing = static_cast<std::uint32_t>(CellKind::far) << 30U;
+  std::size_t cell = 0;
+  std::array<double, 3> within{};  // place in the cell, 0 to 1
+  for (std::size_t axis = 3; axis-- > 0;) {
+    const double position =
+        (point[static_cast<int>(axis)] - grid.origin[static_cast<int>(axis)]) / grid.cell_size;
+    if (!(position >= 0 && position < static_cast<double>(grid.cells[axis]))) return nothing;
+    const auto whole = static_cast<std::size_t>(position);
+    cell = cell * grid.cells[axis] + whole;
+    within[axis] = position - static_cast<double>(whole);
+  }
+  if (cell >= grid.index.size()) return nothing;
+  std::uint32_t word = grid.index[cell];
+  for (int level = 0; level < split_levels; ++level) {
+    const std::size_t offset = word & offset_mask;
+    if (!is_split(word) || offset + 8 > grid.records.size()) break;
+    word = grid.records[offset + enter_octant(within)];
+  }
+  return word;
 }
 
 }  // namespace spm

@@ -12,33 +12,32 @@
 
 namespace spm {
 
-/// What is known of a cube of the distance octree. Two top bits of the four: how many units of two
-/// words the cube takes (units_of).
+/// What is known of a cube of the distance octree. Two top bits of the four: how many words the
+/// cube takes (words_of).
 enum class OctreeKind : std::uint32_t {
-  far = 0,         ///< outside, beyond the margin
-  pruned = 1,      ///< left out by the bake
-  deep = 4,        ///< inside, deeper than the band; one unit: the direction outwards
-  split = 5,       ///< one unit: its octants
-  list = 6,        ///< one unit: a list of triangles
-  map = 7,         ///< one unit: a distance map, or two of which the smaller or larger one counts
-  polynomial = 8,  ///< two units: a local map
-  least = 12,      ///< four units: two local maps, the smaller distance counts
-  most = 13,       ///< four units: two local maps, the larger distance counts
+  far = 0,          ///< outside, beyond the margin
+  pruned = 1,       ///< left out by the bake
+  deep = 4,         ///< one word: inside, deeper than the band; the direction outwards
+  map = 5,          ///< one word: a distance map, or two of which the smaller or larger one counts
+  least = 6,        ///< one word: two local maps, the smaller distance counts
+  most = 7,         ///< one word: two local maps, the larger distance counts
+  split = 8,        ///< two words: its octants
+  list = 9,         ///< two words: a list of triangles
+  polynomial = 12,  ///< four words: a local map
 };
 
 /// The distance octree of a `sparse` asset: all that its answers come from, with the indexed
 /// triangles. Space is divided into cubes of one size (roots), x fastest; each of these into
 /// octants, and so on. Views; nothing is owned.
 ///
-/// A root's word: bits 0-3 its kind, bits 4-31 its first unit; of a `far` root the distance of the
-/// surface from its middle instead, in clearance_unit, rounded down.
-/// Units of a split cube: word 0 is the first unit of its octants, which lie one behind the other;
-///   word 1 has the octants' kinds, four bits each, octant 0 (octant.hpp) lowest.
-/// Unit of a list: word 0 is the list's place in `lists`; word 1 how many and of which kind
-///   (TriangleList).
-/// Unit of a map: word 0 is the number of a chart (HeightChart); word 1 is 0, or that of a second
-///   one plus 1, with larger_bit where the larger of both distances counts, not the smaller.
-/// Unit of a deep cube: word 0 is the direction outwards, octahedral (octahedral.hpp).
+/// A root's word: bits 0-3 its kind, bits 4-31 the place of its first word; of a `far` root the
+/// distance of the surface from its middle instead, in clearance_unit, rounded down.
+/// Words of a split cube: the place of the first word of its octants, which lie one behind the
+///   other; the octants' kinds, four bits each, octant 0 (octant.hpp) lowest.
+/// Words of a list: its place in `lists`; how many triangles and of which kind (TriangleList).
+/// Word of a map: NamedMaps.
+/// Word of `least` and `most`: the place of two local maps, four words each.
+/// Word of a deep cube: the direction outwards, octahedral (octahedral.hpp).
 ///
 /// Words may be anything, in a file that was damaged after it was checked, so each place is checked
 /// before it is read.
@@ -48,7 +47,7 @@ struct DistanceOctree {
   double per_edge = 1;               ///< 1 / edge; kept, since a division takes long
   std::array<std::uint32_t, 3> roots{0, 0, 0};
   std::span<const std::uint32_t> root_words;
-  std::span<const std::uint32_t> units;
+  std::span<const std::uint32_t> words;
   std::span<const std::uint32_t> lists;
   double value_unit = 1;      ///< m: of a packed local map's value, times half the cube's edge
   double clearance_unit = 1;  ///< m
@@ -60,23 +59,50 @@ struct DistanceOctree {
 
 inline constexpr int max_octree_levels = 12;
 
-/// Of a map's second word.
-inline constexpr std::uint32_t larger_bit = 1U << 31U;
+/// The most distance maps that words can name.
+inline constexpr std::uint32_t max_named_maps = (1U << 15U) - 1;
+
+/// What the word of a map says: bits 0-15 the number of a chart (HeightChart), bits 16-30 that of a
+/// second one plus 1, or 0, bit 31 set where the larger of both distances counts, not the smaller.
+struct NamedMaps {
+  std::uint32_t first = 0;
+  std::uint32_t second_from_one = 0;  ///< 0: there is no second one
+  bool larger = false;
+
+  explicit constexpr NamedMaps(std::uint32_t word) noexcept
+      : first(word & 0xFFFFU),
+        second_from_one(word >> 16U & max_named_maps),
+        larger(word >> 31U != 0) {}
+  [[nodiscard]] constexpr bool two() const noexcept { return second_from_one != 0; }
+  [[nodiscard]] constexpr std::uint32_t second() const noexcept { return second_from_one - 1; }
+};
+
+/// The word of one map, or of two.
+[[nodiscard]] constexpr std::uint32_t word_of_map(std::uint32_t map) noexcept { return map; }
+[[nodiscard]] constexpr std::uint32_t word_of_maps(std::uint32_t first, std::uint32_t second,
+                                                   bool larger) noexcept {
+  return first | (second + 1) << 16U | (larger ? 1U << 31U : 0U);
+}
 
 /// Whether polynomials are all that a cube's answers come from.
 [[nodiscard]] constexpr bool has_polynomials(OctreeKind kind) noexcept {
-  return static_cast<std::uint32_t>(kind) >= 8;
+  return kind == OctreeKind::polynomial || kind == OctreeKind::least || kind == OctreeKind::most;
+}
+
+/// Whether a cube's places may have exact answers.
+[[nodiscard]] constexpr bool has_answers(OctreeKind kind) noexcept {
+  return kind == OctreeKind::map || kind == OctreeKind::list || has_polynomials(kind);
 }
 
 enum class ListSide : std::uint32_t { surface, outside, inside };
 
-[[nodiscard]] constexpr std::uint32_t units_of(OctreeKind kind) noexcept {
+[[nodiscard]] constexpr std::uint32_t words_of(OctreeKind kind) noexcept {
   const std::uint32_t size = static_cast<std::uint32_t>(kind) >> 2U;
   return size + (size == 3 ? 1U : 0U);
 }
 
-/// The number of units of the octants before one, from the word of all kinds.
-[[nodiscard]] constexpr std::uint32_t units_before(std::uint32_t kinds,
+/// The number of words of the octants before one, from the word of all kinds.
+[[nodiscard]] constexpr std::uint32_t words_before(std::uint32_t kinds,
                                                    std::uint32_t octant) noexcept {
   std::uint32_t sizes = (kinds >> 2U) & 0x33333333U;
   sizes += sizes & (sizes >> 1U) & 0x11111111U;
@@ -88,7 +114,7 @@ enum class ListSide : std::uint32_t { surface, outside, inside };
 /// What a root's word tells.
 struct OctreeRoot {
   OctreeKind kind = OctreeKind::far;
-  std::uint32_t unit = 0;  ///< its first; of a `far` root the distance at its middle
+  std::uint32_t word = 0;  ///< place of its first; of a `far` root the distance at its middle
 };
 
 [[nodiscard]] constexpr OctreeRoot unpack_root(std::uint32_t word) noexcept {
@@ -105,7 +131,7 @@ struct OctreeRoot {
 /// A cube that is not divided.
 struct Leaf {
   OctreeKind kind = OctreeKind::far;
-  std::uint32_t unit = 0;  ///< its first; of a `far` root the distance at its middle
+  std::uint32_t word = 0;  ///< place of its first; of a `far` root the distance at its middle
   int level = -1;          ///< 0 a root; -1 outside all roots
   Vector3 middle = Vector3::Zero();
   double half = 0;      ///< of its edge, m
@@ -139,24 +165,24 @@ struct Leaf {
                          std::uint64_t{octree.roots[1]} * (step_z >> max_octree_levels));
   const std::optional<OctreeRoot> root = root_at(octree, place);
   if (!root) return {};
-  auto [kind, unit] = *root;
+  auto [kind, word] = *root;
   int level = 0;
   while (kind == OctreeKind::split) {
-    if (level == max_octree_levels || 2 * std::size_t{unit} + 1 >= octree.units.size()) return {};
+    if (level == max_octree_levels || std::size_t{word} + 1 >= octree.words.size()) return {};
     ++level;
     const auto bit = static_cast<unsigned>(max_octree_levels - level);
     const auto octant = static_cast<std::uint32_t>(
         (step_x >> bit & 1U) | (step_y >> bit & 1U) << 1U | (step_z >> bit & 1U) << 2U);
-    const std::uint32_t first = octree.units[2 * std::size_t{unit}];
-    const std::uint32_t kinds = octree.units[2 * std::size_t{unit} + 1];
+    const std::uint32_t first = octree.words[word];
+    const std::uint32_t kinds = octree.words[word + 1];
     kind = static_cast<OctreeKind>((kinds >> 4U * octant) & 15U);
-    unit = first + units_before(kinds, octant);
+    word = first + words_before(kinds, octant);
   }
   const auto coarse = static_cast<unsigned>(max_octree_levels - level);
   const double edge = octree.edge * power_of_two(-level);
   Leaf leaf;
   leaf.kind = kind;
-  leaf.unit = unit;
+  leaf.word = word;
   leaf.level = level;
   leaf.half = edge / 2;
   leaf.per_half = 2 * octree.per_edge * power_of_two(level);
@@ -166,18 +192,27 @@ struct Leaf {
   return leaf;
 }
 
-/// The words of a leaf's units, or null where they are not there.
-[[nodiscard]] inline const std::uint32_t* units_at(const DistanceOctree& octree,
+/// A leaf's words, or null where they are not there.
+[[nodiscard]] inline const std::uint32_t* words_at(const DistanceOctree& octree,
                                                    const Leaf& leaf) noexcept {
-  const std::size_t first = 2 * std::size_t{leaf.unit};
-  return first + 2 * std::size_t{units_of(leaf.kind)} <= octree.units.size()
-             ? octree.units.data() + first
+  return std::size_t{leaf.word} + words_of(leaf.kind) <= octree.words.size()
+             ? octree.words.data() + leaf.word
              : nullptr;
+}
+
+/// The words of a leaf's polynomials, of which there are two where it is `least` or `most`; null
+/// where they are not there. `words` are the leaf's.
+[[nodiscard]] inline const std::uint32_t* polynomials_at(const DistanceOctree& octree,
+                                                         const Leaf& leaf,
+                                                         const std::uint32_t* words) noexcept {
+  if (leaf.kind == OctreeKind::polynomial) return words;
+  return std::size_t{words[0]} + 8 <= octree.words.size() ? octree.words.data() + words[0]
+                                                          : nullptr;
 }
 
 /// Starts to load the words of a leaf.
 inline void prefetch(const DistanceOctree& octree, const Leaf& leaf) noexcept {
-  if (const std::uint32_t* words = units_at(octree, leaf)) __builtin_prefetch(words);
+  if (const std::uint32_t* words = words_at(octree, leaf)) __builtin_prefetch(words);
 }
 
 }  // namespace spm

@@ -24,8 +24,9 @@ inline constexpr std::uint32_t corner_mask = (1U << corner_bits) - 1;
 ///   triangles: 64 bits each: the numbers of three corners, corner_bits each, the first lowest; the
 ///     last bit is set where single precision will not do (thin). The first side, from corner 0 to
 ///     corner 1, is the shortest;
-///   sides: 16 bits each, one a triangle: its FeatureSides; bit 14 set where no tile shows it
-///     (bare), bit 15 of triangles that are no surface and are only crossed (TriangleList).
+///   sides: 16 bits each, one a triangle: its FeatureSides; bit 15 of triangles that are no surface
+///   and
+///     are only crossed (TriangleList).
 ///
 /// Words may be anything, in a file that was damaged after it was checked, so each number is
 /// checked before it is used.
@@ -80,20 +81,16 @@ struct IndexedTriangles {
 /// What is kept of a triangle besides its corners.
 struct TriangleTraits {
   FeatureSides sides = 0;
-  bool bare = false;
   bool crossed = false;
 };
 
 [[nodiscard]] constexpr std::uint32_t pack_traits(const TriangleTraits& traits) noexcept {
-  return std::uint32_t{traits.sides} | (traits.bare ? 1U << 14U : 0U) |
-         (traits.crossed ? 1U << 15U : 0U);
+  return std::uint32_t{traits.sides} | (traits.crossed ? 1U << 15U : 0U);
 }
 [[nodiscard]] inline TriangleTraits traits_of(const IndexedTriangles& mesh,
                                               std::size_t triangle) noexcept {
   const std::uint32_t bits = mesh.sides[triangle / 2] >> 16U * (triangle % 2);
-  return {.sides = static_cast<FeatureSides>(bits & 0x3FFFU),
-          .bare = (bits >> 14U & 1U) != 0,
-          .crossed = (bits >> 15U & 1U) != 0};
+  return {.sides = static_cast<FeatureSides>(bits & 0x3FFFU), .crossed = (bits >> 15U & 1U) != 0};
 }
 
 }  // namespace spm

@@ -12,7 +12,7 @@ namespace octree_leaves {
 
 template <class Visit>
 void below(const DistanceOctree& octree, const Leaf& cube, const Visit& visit) {
-  const std::uint32_t* words = units_at(octree, cube);
+  const std::uint32_t* words = words_at(octree, cube);
   if (cube.kind != OctreeKind::split) {
     visit(cube);
     return;
@@ -21,7 +21,7 @@ void below(const DistanceOctree& octree, const Leaf& cube, const Visit& visit) {
   for (std::uint32_t octant = 0; octant < 8; ++octant) {
     Leaf part;
     part.kind = static_cast<OctreeKind>((words[1] >> (4 * octant)) & 15U);
-    part.unit = words[0] + units_before(words[1], octant);
+    part.word = words[0] + words_before(words[1], octant);
     part.level = cube.level + 1;
     part.half = cube.half / 2;
     part.per_half = 2 * cube.per_half;
@@ -43,7 +43,7 @@ void visit_leaves(const DistanceOctree& octree, const Visit& visit) {
         if (!known) return;
         Leaf root;
         root.kind = known->kind;
-        root.unit = known->unit;
+        root.word = known->word;
         root.level = 0;
         root.half = octree.edge / 2;
         root.per_half = 1 / root.half;

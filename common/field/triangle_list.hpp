@@ -51,7 +51,7 @@ inline constexpr std::uint32_t list_side_codes = 3 + 2 * places_of_cube;
 /// of solids and each of sheets a byte, lowest first: how far its triangles are at least from every
 /// point of the cube, in 1/255 of the octree's `reach`, ascending within each kind.
 ///
-/// Second word of its unit: bits 0-12 the number of triangles of solids, bits 13-25 that of sheets,
+/// Second word of its cube: bits 0-12 the number of triangles of solids, bits 13-25 that of sheets,
 /// bits 26-30 what is known of sides (list_side_code), bit 31 set where the list is wide.
 ///
 /// By side_by_crossings tells those that are there for it alone, or else those of solids: all that
@@ -94,7 +94,7 @@ struct TriangleList {
 /// The bits of that word in which what is known of sides stands.
 inline constexpr std::uint32_t list_side_bits = 31U << 26U;
 
-/// The list that a unit names; without triangles where it is not there whole.
+/// The list that a cube names; without triangles where it is not there whole.
 [[nodiscard]] inline TriangleList list_of(const DistanceOctree& octree,
                                           const std::uint32_t* unit) noexcept {
   TriangleList list;

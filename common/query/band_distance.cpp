@@ -28,17 +28,17 @@ struct Search {
   double best;  ///< square, m2
 
   // Or the compiler writes one level into another until the code is five times as long, and slower.
-  [[gnu::noinline]] void take(OctreeKind kind, std::uint32_t unit, int level,
+  [[gnu::noinline]] void take(OctreeKind kind, std::uint32_t word, int level,
                               const std::array<double, 3>& from_middle, double half,
                               double square) noexcept {
     if (kind == OctreeKind::far || !(square < best)) return;
     if (kind != OctreeKind::split || level == max_octree_levels ||
-        2 * std::size_t{unit} + 1 >= octree.units.size()) {
+        std::size_t{word} + 1 >= octree.words.size()) {
       best = square;
       return;
     }
-    const std::uint32_t first = octree.units[2 * std::size_t{unit}];
-    const std::uint32_t kinds = octree.units[2 * std::size_t{unit} + 1];
+    const std::uint32_t first = octree.words[word];
+    const std::uint32_t kinds = octree.words[word + 1];
     std::array<HalfSquares, 3> squares;
     std::uint32_t nearest = 0;
     for (unsigned axis = 0; axis < 3; ++axis) {
@@ -58,7 +58,7 @@ struct Search {
       for (unsigned axis = 0; axis < 3; ++axis) {
         from[axis] = from_middle[axis] + ((octant >> axis & 1U) != 0 ? -half / 2 : half / 2);
       }
-      take(below, first + units_before(kinds, octant), level + 1, from, half / 2, apart);
+      take(below, first + words_before(kinds, octant), level + 1, from, half / 2, apart);
     }
   }
 };
@@ -92,7 +92,7 @@ double distance_to_band(const DistanceOctree& octree, const Vector3& point, doub
     }
     const auto place = static_cast<std::size_t>(x + octree.roots[0] * (y + octree.roots[1] * z));
     if (const std::optional<OctreeRoot> cube = root_at(octree, place)) {
-      search.take(cube->kind, cube->unit, 0, from, octree.edge / 2, square);
+      search.take(cube->kind, cube->word, 0, from, octree.edge / 2, square);
     }
   };
   const bool within = own[0] >= low[0] && own[0] <= high[0] && own[1] >= low[1] &&

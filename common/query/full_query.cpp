@@ -7,7 +7,6 @@
 
 #include "common/asset/grid_list.hpp"
 #include "common/base/octahedral.hpp"
-#include "common/base/octant.hpp"
 #include "common/surface/closest_on_map.hpp"
 #include "common/surface/closest_on_triangle.hpp"
 
@@ -49,7 +48,7 @@ Answer closest_of_maps(const AssetView& asset, const GridList& list,
   if (map == nullptr) return unanswered(Status::far);
   const Vector3 normal = normal_at(*map, layer, asset.planes[map->plane], best.cell);
   if (!normal.allFinite()) return unanswered(Status::far);
-  const std::uint32_t crossing = map->first_layer + layer;
+  const std::uint32_t crossing = layer;
   const double side = side_of_crossing(crossing);
   Answer answer;
   answer.distance = side * best.distance;
@@ -126,34 +125,10 @@ Answer closest_of_triangles(const AssetView& asset, const GridList& list,
   return answer;
 }
 
-/// The word for the surroundings of a point: that of its grid cell, or of an octant of a split
-/// cell.
-std::uint32_t word_at(const Grid& grid, const Vector3& point) noexcept {
-  constexpr std::uint32_t nothing = static_cast<std::uint32_t>(CellKind::far) << 30U;
-  std::size_t cell = 0;
-  std::array<double, 3> within{};  // place in the cell, 0 to 1
-  for (std::size_t axis = 3; axis-- > 0;) {
-    const double position =
-        (point[static_cast<int>(axis)] - grid.origin[static_cast<int>(axis)]) / grid.cell_size;
-    if (!(position >= 0 && position < static_cast<double>(grid.cells[axis]))) return nothing;
-    const auto whole = static_cast<std::size_t>(position);
-    cell = cell * grid.cells[axis] + whole;
-    within[axis] = position - static_cast<double>(whole);
-  }
-  if (cell >= grid.index.size()) return nothing;
-  std::uint32_t word = grid.index[cell];
-  for (int level = 0; level < split_levels; ++level) {
-    const std::size_t offset = word & offset_mask;
-    if (!is_split(word) || offset + 8 > grid.records.size()) break;
-    word = grid.records[offset + enter_octant(within)];
-  }
-  return word;
-}
-
 }  // namespace
 
 Answer query_full(const AssetView& asset, const Vector3& point) noexcept {
-  const std::uint32_t word = word_at(asset.grid, point);
+  const std::uint32_t word = grid_word_at(asset.grid, point);
   switch (static_cast<CellKind>(word >> 30U)) {
     case CellKind::far:
       return unanswered(Status::far);

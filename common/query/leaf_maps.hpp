@@ -24,10 +24,13 @@ struct LeafMaps {
   }
 };
 
-/// False where the words name a plane that is not there.
+/// False where the words, which are the leaf's, lead to no polynomial or name a plane that is not
+/// there.
 [[nodiscard]] inline bool unpack_leaf_maps(const AssetView& asset, const Leaf& leaf,
                                            const std::uint32_t* words, LeafMaps& maps) noexcept {
   const double unit = asset.octree.value_unit * leaf.per_half;
+  words = polynomials_at(asset.octree, leaf, words);
+  if (words == nullptr) return false;
   maps.first = unpack_local_map(words, unit);
   if (maps.first.plane >= asset.planes.size()) return false;
   if (leaf.kind == OctreeKind::polynomial) return true;

@@ -112,24 +112,23 @@ double square_of(const Vector3& v) noexcept { return v[0] * v[0] + v[1] * v[1] +
 /// Eq. 3 to 5 on the distance maps of a leaf, and d = -(S_SP - D_SP(P_M)) / |n_S|, which is the
 /// distance of the surface's tangent plane at P_M: the paper's eq. 3 with the cosine between n_S
 /// and n_SP as the only difference.
-Answer answer_by_map(const AssetView& asset, const std::uint32_t* words,
-                     const Vector3& point) noexcept {
+Answer answer_by_map(const AssetView& asset, const NamedMaps& maps, const Vector3& point) noexcept {
   MapContact contact;
-  if (words[0] >= asset.charts.size() || !contact_on(asset.charts[words[0]], point, contact)) {
+  if (maps.first >= asset.charts.size() || !contact_on(asset.charts[maps.first], point, contact)) {
     return unanswered(Status::far);
   }
-  std::uint32_t chart = words[0];
+  std::uint32_t chart = maps.first;
   double per = 1 / std::sqrt(square_of(contact.normal));
-  if (words[1] != 0) {
-    const std::uint32_t second = (words[1] & ~larger_bit) - 1;
+  if (maps.two()) {
     MapContact other;
-    if (second >= asset.charts.size() || !contact_on(asset.charts[second], point, other)) {
+    if (maps.second() >= asset.charts.size() ||
+        !contact_on(asset.charts[maps.second()], point, other)) {
       return unanswered(Status::far);
     }
     const double other_per = 1 / std::sqrt(square_of(other.normal));
     const bool smaller = other_per * other.penetration > per * contact.penetration;
-    if (smaller == ((words[1] & larger_bit) == 0)) {
-      chart = second;
+    if (smaller != maps.larger) {
+      chart = maps.second();
       contact = other;
       per = other_per;
     }
@@ -170,7 +169,7 @@ double told_by_roots(const DistanceOctree& octree, const Vector3& point) noexcep
     const std::optional<OctreeRoot> root = root_at(octree, place);
     if (!root || root->kind != OctreeKind::far) continue;
     const double away = std::sqrt(squares[0][x] + squares[1][y] + squares[2][z]);
-    told = std::max(told, octree.clearance_unit * static_cast<double>(root->unit) - away);
+    told = std::max(told, octree.clearance_unit * static_cast<double>(root->word) - away);
   }
   return told;
 }
@@ -180,7 +179,7 @@ double told_by_roots(const DistanceOctree& octree, const Vector3& point) noexcep
 Answer query_leaf(const AssetView& asset, const Leaf& leaf, const Vector3& point) noexcept {
   // The only kind without words that has an answer; there may be no words at all.
   if (leaf.kind == OctreeKind::pruned) return unanswered(Status::pruned);
-  const std::uint32_t* words = units_at(asset.octree, leaf);
+  const std::uint32_t* words = words_at(asset.octree, leaf);
   if (words == nullptr) return unanswered(Status::far);
   switch (leaf.kind) {
     case OctreeKind::polynomial:
@@ -191,7 +190,7 @@ Answer query_leaf(const AssetView& asset, const Leaf& leaf, const Vector3& point
       return answer_by_maps(asset, leaf, maps, point);
     }
     case OctreeKind::map:
-      return answer_by_map(asset, words, point);
+      return answer_by_map(asset, NamedMaps(words[0]), point);
     case OctreeKind::list:
       return answer_by_list(asset, leaf, words, point);
     case OctreeKind::deep: {

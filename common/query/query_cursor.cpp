@@ -16,7 +16,7 @@ void QueryCursor::enter(const Vector3& point) noexcept {
   by_maps_ = false;
   if (leaf_.kind == OctreeKind::deep) told_ = query_leaf(*asset_, leaf_, point);
   if (has_polynomials(leaf_.kind)) {
-    const std::uint32_t* words = units_at(asset_->octree, leaf_);
+    const std::uint32_t* words = words_at(asset_->octree, leaf_);
     by_maps_ = words != nullptr && unpack_leaf_maps(*asset_, leaf_, words, maps_);
   }
 }
@@ -30,9 +30,11 @@ QueriedDistance QueryCursor::tell_leaf(const Vector3& point) noexcept {
 }
 
 double QueryCursor::bend_of_map() const noexcept {
-  const std::uint32_t* words = units_at(asset_->octree, leaf_);
-  if (words == nullptr || words[1] != 0 || words[0] >= asset_->charts.size()) return 0;
-  return bend_on(asset_->charts[words[0]], point_);
+  const std::uint32_t* words = words_at(asset_->octree, leaf_);
+  if (words == nullptr) return 0;
+  const NamedMaps maps(words[0]);
+  if (maps.two() || maps.first >= asset_->charts.size()) return 0;
+  return bend_on(asset_->charts[maps.first], point_);
 }
 
 Answer QueryCursor::query(const Vector3& point) noexcept {

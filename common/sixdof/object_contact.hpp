@@ -218,6 +218,12 @@ class ObjectContact {
     LocalQuadric field;
   };
   struct Pair {
+    /// Tool's frame to the object's, in metres of the world.
+    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
+    Eigen::Isometry3d kept = Eigen::Isometry3d::Identity();     ///< the same of what was kept
+    Eigen::Isometry3d settled = Eigen::Isometry3d::Identity();  ///< the same at the last settling
+    Eigen::Isometry3d looked_at =
+        Eigen::Isometry3d::Identity();  ///< the same in the last look at all
     const AssetView* field = nullptr;
     double scale = 1;  ///< metres of the world for one of the field
     double stiffness = 0, least_area = 0;
@@ -226,10 +232,6 @@ class ObjectContact {
     double field_ends = 0;  ///< m: the field tells nothing of places that are farther away
     GripSettings grip;
     TextureSettings texture;
-    /// Tool's frame to the object's, in metres of the world.
-    Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
-    Eigen::Isometry3d kept = Eigen::Isometry3d::Identity();     ///< the same of what was kept
-    Eigen::Isometry3d settled = Eigen::Isometry3d::Identity();  ///< the same at the last settling
     Eigen::Matrix3d to_world = Eigen::Matrix3d::Identity();
     /// Takes the axes of `sum` and of patches to the world's.
     Eigen::Matrix3d axes = Eigen::Matrix3d::Identity();
@@ -240,9 +242,8 @@ class ObjectContact {
     double gripped = 0;       ///< N: the sum of the forces at which these give way
     double pressed = 0;       ///< N, by all samples that friction may hold
     double kept_pressed = 0;  ///< N: the same of what was kept
-    Eigen::Isometry3d looked_at = Eigen::Isometry3d::Identity();  ///< in the last look at all
-    double clear = 0;      ///< m: no sample touched before it had moved this far from there
-    double spare = 0;      ///< m: the same of this look, as far as it is known
+    double clear = 0;         ///< m: no sample touched before it had moved this far from there
+    double spare = 0;         ///< m: the same of this look, as far as it is known
     double since = 0;      ///< m: upper bound of how far the cluster in hand has moved from there
     double since_all = 0;  ///< m: the same of all of the tool
     QueryCursor cursor;

@@ -16,13 +16,13 @@ struct SurfacePatch {
   float area = 0;                   ///< m2
 };
 
-/// The surface of a `sparse` asset in pieces with sides of at most `step` (m, above 0). Where
-/// elements overlap, each place belongs to one of them only: the first that covers it within two
-/// tolerances and faces the same way, with the triangles first, in the order of their corners, and
-/// then the tiles. So the areas add up to that of the surface, however many elements there are.
-/// Allocates: for loading, not for a tick. Errors: invalid_input for a `full` asset, whose maps
-/// cover a place many times, for one without elements, and where there would be more than 2^24
-/// pieces and 64 an element; usage for one whose tiles were left out.
+/// The surface of a `sparse` asset as its answers tell it: where lines along the three axes, at
+/// most `step` (m, above 0) apart, meet it. A line stands for an area a of its cross-section, and
+/// so for a / |n| of the surface; that of each family counts by n^2, n the normal's component along
+/// the line, and the squares add up to 1. So the areas of all are a |n|, and add up to the
+/// surface's. Allocates: for loading, not for a tick. Errors: invalid_input for a `full` asset,
+/// whose maps cover a place many times, for one without a surface, and where there would be more
+/// than 2^24 lines; usage where there is no step.
 [[nodiscard]] Result<std::vector<SurfacePatch>> surface_patches(const AssetView& asset,
                                                                 double step);
 

@@ -300,21 +300,29 @@ void pack(const PatchMoments& moments, double radius, SampleMoments& packed) noe
 }
 
 Result<SurfaceSamples> sample_surface(const AssetView& asset, double spacing) {
-  const Extent extent = extent_of(asset);
+  return SurfaceSampler(asset).sample(spacing);
+}
+
+Result<SurfaceSamples> SurfaceSampler::sample(double spacing) {
+  const Extent extent = extent_of(asset_);
   const double size = extent.size.maxCoeff();
   if (!(spacing > 0) || !(size / spacing < (1U << key_bits))) {
     return fail(ExitCode::usage,
                 "surface samples: the spacing must be above 0 and more than a two-millionth of the "
                 "object; give a larger one");
   }
-  auto patches = surface_patches(asset, std::min(spacing, coarsest_patch_share * size));
-  if (!patches) return tl::make_unexpected(patches.error());
-  Vector3 low = to_vector(patches->front().position), high = low;
-  for (const SurfacePatch& patch : *patches) {
+  if (const double step = std::min(spacing, coarsest_patch_share * size); step != step_) {
+    auto patches = surface_patches(asset_, step);
+    if (!patches) return tl::make_unexpected(patches.error());
+    patches_ = std::move(*patches);
+    step_ = step;
+  }
+  Vector3 low = to_vector(patches_.front().position), high = low;
+  for (const SurfacePatch& patch : patches_) {
     low = low.cwiseMin(to_vector(patch.position));
     high = high.cwiseMax(to_vector(patch.position));
   }
-  std::vector<std::vector<Cluster>> levels{finest_level(*patches, low, spacing)};
+  std::vector<std::vector<Cluster>> levels{finest_level(patches_, low, spacing)};
   while (std::any_of(levels.back().begin(), levels.back().end(),
                      [](const Cluster& cluster) { return cluster.key.cube != 0; })) {
     std::vector<Cluster> parts = levels.back();

@@ -104,4 +104,17 @@ struct SurfaceSamples {
 /// cubes along a side.
 [[nodiscard]] Result<SurfaceSamples> sample_surface(const AssetView& asset, double spacing);
 
+/// Samples of one asset at several spacings, one after the other: the same as sample_surface, but
+/// its pieces are kept. The asset must outlive it.
+class SurfaceSampler {
+ public:
+  explicit SurfaceSampler(const AssetView& asset) noexcept : asset_(asset) {}
+  [[nodiscard]] Result<SurfaceSamples> sample(double spacing);
+
+ private:
+  const AssetView& asset_;
+  double step_ = -1;  ///< m, of the pieces; below 0 where there are none
+  std::vector<SurfacePatch> patches_;
+};
+
 }  // namespace spm

@@ -13,14 +13,12 @@ namespace spm {
 /// greater.
 inline constexpr float no_hit = std::numeric_limits<float>::infinity();
 
-/// A scalar or vectorial distance map (eq. 2): a rectangle of samples on one support plane. This is
-/// a view that owns nothing; samples are read in place.
+/// A scalar or vectorial distance map (eq. 2) of a `full` asset: a rectangle of samples on one
+/// support plane. This is a view that owns nothing; samples are read in place.
 ///
 /// Sample (column i, row j) of a layer is the distance in metres along -n to the surface, from the
 /// plane's point at eta = eta0 + i * spacing, omega = omega0 + j * spacing. Layers are the
-/// crossings of one ray in order. In a `full` asset even layers are entries and odd layers are
-/// exits. A map of a `sparse` asset has one layer, an entry; `first_layer` is its ordinal along the
-/// ray.
+/// crossings of one ray in order. Even layers are entries and odd layers are exits.
 struct DistanceMap {
   const float* samples = nullptr;
   const std::uint32_t* layer_offsets = nullptr;  ///< per layer, in floats, from the start of a row
@@ -30,7 +28,6 @@ struct DistanceMap {
   std::uint32_t rows = 0;        ///< at least 2
   std::uint32_t layers = 0;      ///< at least 1
   std::uint32_t row_stride = 0;  ///< in floats
-  std::uint32_t first_layer = 0;
   double eta0 = 0;
   double omega0 = 0;
   double spacing = 0;

@@ -6,6 +6,7 @@
 #include <cstring>
 
 #include "common/base/vector.hpp"
+#include "common/surface/support_plane.hpp"
 
 namespace spm {
 
@@ -29,7 +30,20 @@ struct alignas(64) HeightChart {
   std::uint32_t stride = 0;             ///< from one row to the next
   std::uint32_t columns = 0, rows = 0;  ///< 3 or more
   std::uint32_t plane = 0;              ///< row of the plane table
+
+  /// m, between neighbouring heights.
+  [[nodiscard]] double spacing() const noexcept {
+    return 1 / std::sqrt(column.x * column.x + column.y * column.y + column.z * column.z);
+  }
 };
+
+/// The point of a chart's plane (eq. 1) at a column and row, which need not be whole numbers.
+[[nodiscard]] inline Vector3 chart_point(const HeightChart& chart, const SupportPlane& plane,
+                                         double column, double row) noexcept {
+  const double spacing = chart.spacing();
+  return support_plane_point(plane, spacing * (column - chart.column.at(plane.x0)),
+                             spacing * (row - chart.row.at(plane.x0)));
+}
 
 /// What a distance map tells of a place.
 struct MapContact {

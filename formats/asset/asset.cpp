@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "formats/asset/chart_words.hpp"
-#include "formats/asset/tile_words.hpp"
 
 namespace spm {
 namespace {
@@ -31,11 +30,9 @@ double steps_per_metre(double diagonal) {
 
 AssetTables::AssetTables(std::vector<SupportPlane> planes, std::vector<DistanceMap> maps,
                          std::vector<std::vector<std::uint32_t>> layer_offsets,
-                         std::vector<Tile> tiles, std::vector<HeightChart> charts,
-                         const AssetView& rest)
+                         std::vector<HeightChart> charts, const AssetView& rest)
     : planes_(std::move(planes)),
       maps_(std::move(maps)),
-      tiles_(std::move(tiles)),
       charts_(std::move(charts)),
       layer_offsets_(std::move(layer_offsets)),
       view_(rest) {
@@ -49,7 +46,6 @@ AssetTables::AssetTables(std::vector<SupportPlane> planes, std::vector<DistanceM
   }
   view_.planes = planes_;
   view_.maps = maps_;
-  view_.tiles = tiles_;
   view_.charts = charts_;
   view_.plane_nx = nx_;
   view_.plane_ny = ny_;
@@ -57,19 +53,12 @@ AssetTables::AssetTables(std::vector<SupportPlane> planes, std::vector<DistanceM
   view_.plane_offset = offset_;
 }
 
-void AssetTables::drop_tiles() noexcept {
-  view_.tiles_left_out = view_.tiles_left_out || !tiles_.empty();
-  // Assigning an empty list would keep the memory.
-  std::vector<Tile>().swap(tiles_);
-  view_.tiles = {};
-}
-
 std::uint64_t AssetTables::bytes() const noexcept {
   const auto of = [](const auto& table) {
     return static_cast<std::uint64_t>(table.capacity()) * sizeof(table[0]);
   };
-  std::uint64_t bytes = of(planes_) + of(maps_) + of(tiles_) + of(charts_) + of(layer_offsets_) +
-                        of(nx_) + of(ny_) + of(nz_) + of(offset_);
+  std::uint64_t bytes = of(planes_) + of(maps_) + of(charts_) + of(layer_offsets_) + of(nx_) +
+                        of(ny_) + of(nz_) + of(offset_);
   for (const auto& offsets : layer_offsets_) bytes += of(offsets);
   return bytes;
 }
@@ -94,18 +83,11 @@ AssetTables tables_of(const Asset& asset) {
                     .rows = map.rows,
                     .layers = map.layers,
                     .row_stride = map.columns,
-                    .first_layer = map.first_layer,
                     .eta0 = map.eta0,
                     .omega0 = map.omega0,
                     .spacing = map.spacing});
   }
-  std::vector<Tile> tiles;
-  tiles.reserve(asset.tiles.size());
-  for (const TileData& tile : asset.tiles) {
-    tiles.push_back(tile_over(tile, asset.metadata.tile_spacing));
-  }
   AssetView rest;
-  rest.height_unit = static_cast<float>(asset.metadata.height_unit);
   rest.triangles = asset.triangles;
   rest.grid = {.origin = asset.grid.origin,
                .cell_size = asset.grid.cell_size,
@@ -121,8 +103,7 @@ AssetTables tables_of(const Asset& asset) {
     charts.push_back(
         chart_over(chart, asset.planes[chart.plane], asset.atlas, asset.atlas.heights.data()));
   }
-  return AssetTables(asset.planes, std::move(maps), std::move(offsets), std::move(tiles),
-                     std::move(charts), rest);
+  return AssetTables(asset.planes, std::move(maps), std::move(offsets), std::move(charts), rest);
 }
 
 void AssetMetadata::add_to(AssetView& view) const noexcept {

@@ -13,7 +13,7 @@
 namespace spm {
 
 /// The version of the file format that this program writes and reads.
-inline constexpr int asset_format_version = 8;
+inline constexpr int asset_format_version = 9;
 
 enum class AssetForm { sparse, full };
 
@@ -37,8 +37,6 @@ struct AssetMetadata {
   std::optional<double> tolerance;  ///< m; empty for `full`
   bool tolerance_met = false;
   std::optional<double> certified;  ///< m: the proven largest error in the band; `sparse` only
-  double tile_spacing = 0;          ///< m between the samples of the coarsest tiles; `sparse` only
-  double height_unit = 1;           ///< m per unit of the tiles' heights; `sparse` only
   std::uint32_t layers_max = 0;     ///< most crossings met along one ray
   double inconsistent_samples = 0;  ///< part of the rays whose crossings did not alternate
   /// Part of the surface's area, where two walls lie on each other, beside which the side is tried
@@ -60,30 +58,11 @@ struct MapData {
   std::uint32_t columns = 0;
   std::uint32_t rows = 0;
   std::uint32_t layers = 1;
-  std::uint32_t first_layer = 0;
   double eta0 = 0;  ///< 0 in a `full` asset, whose planes start at their first sample
   double omega0 = 0;
   double spacing = 0;
   std::vector<float> samples;       ///< layer-major, then row, then column
   std::vector<std::uint32_t> mask;  ///< mask_words(columns, rows, layers) words
-};
-
-/// One tile of a `sparse` asset in memory; see Tile for the meaning of each field. It lies on a
-/// lattice of its plane: spacing = AssetMetadata::tile_spacing / 2^level, eta0 = column * 8 *
-/// spacing, omega0 = row * 8 * spacing.
-struct TileData {
-  std::uint32_t plane = 0;        ///< below 4096
-  std::uint32_t level = 0;        ///< below 12
-  std::uint32_t first_layer = 0;  ///< below 256
-  std::int32_t column = 0;        ///< of 16 bits
-  std::int32_t row = 0;
-  float base = 0;         ///< m
-  float slope_eta = 0;    ///< a HALF number
-  float slope_omega = 0;  ///< a HALF number
-  std::uint64_t valid = 0;
-  std::uint64_t clipped = 0;
-  std::array<std::uint16_t, tile_sample_count> heights{};
-  std::vector<std::uint32_t> clips;  ///< one per set bit of `clipped`
 };
 
 /// A chart of a `sparse` asset in memory; see HeightChart for the meaning of each field. Its
@@ -120,7 +99,7 @@ struct OctreeData {
   double edge = 0;
   std::array<std::uint32_t, 3> roots{0, 0, 0};
   double value_unit = 1, clearance_unit = 1, reach = 1, beyond_share = 0;
-  std::vector<std::uint32_t> root_words, units, lists;
+  std::vector<std::uint32_t> root_words, words, lists;
   Vector3 lattice_origin = Vector3::Zero();  ///< of the exact triangles' corners
   double lattice_step = 1;
   std::vector<std::uint32_t> corners, triangles, sides;  ///< words of IndexedTriangles
@@ -132,7 +111,7 @@ struct OctreeData {
                    .per_edge = 1 / edge,
                    .roots = roots,
                    .root_words = root_words,
-                   .units = units,
+                   .words = words,
                    .lists = lists,
                    .value_unit = value_unit,
                    .clearance_unit = clearance_unit,
@@ -147,13 +126,12 @@ struct OctreeData {
 };
 
 /// A baked asset in memory, as the baker builds it and the writer writes it. `full`: map k belongs
-/// to plane k; all maps have the same columns and rows, but the number of layers may differ; no
-/// tiles. `sparse`: an atlas and tiles, no maps, and an octree instead of the grid.
+/// to plane k; all maps have the same columns and rows, but the number of layers may differ.
+/// `sparse`: an atlas, no such maps, and an octree instead of the grid.
 struct Asset {
   AssetMetadata metadata;
   std::vector<SupportPlane> planes;
   std::vector<MapData> maps;
-  std::vector<TileData> tiles;
   AtlasData atlas;
   GridData grid;
   OctreeData octree;
@@ -161,7 +139,7 @@ struct Asset {
 };
 
 /// The views and small tables of an AssetView over memory that somebody else owns. Move-only. The
-/// memory that maps, tiles, grid and triangles point to must outlive it.
+/// memory that maps, grid and triangles point to must outlive it.
 class AssetTables {
  public:
   AssetTables() = default;
@@ -172,13 +150,10 @@ class AssetTables {
 
   /// Builds the tables. `layer_offsets` is what the maps point to;
   /// it moves here so that the pointers stay valid. `rest` gives everything that is not a table:
-  /// grid or octree, triangles, band, tolerance, form and unit of heights.
+  /// grid or octree, triangles, band, tolerance and form.
   AssetTables(std::vector<SupportPlane> planes, std::vector<DistanceMap> maps,
-              std::vector<std::vector<std::uint32_t>> layer_offsets, std::vector<Tile> tiles,
+              std::vector<std::vector<std::uint32_t>> layer_offsets,
               std::vector<HeightChart> charts, const AssetView& rest);
-
-  /// Frees the table of tiles, which queries do not need.
-  void drop_tiles() noexcept;
 
   [[nodiscard]] const AssetView& view() const noexcept { return view_; }
 
@@ -188,7 +163,6 @@ class AssetTables {
  private:
   std::vector<SupportPlane> planes_;
   std::vector<DistanceMap> maps_;
-  std::vector<Tile> tiles_;
   std::vector<HeightChart> charts_;
   std::vector<std::vector<std::uint32_t>> layer_offsets_;
   std::vector<double> nx_, ny_, nz_, offset_;
@@ -202,7 +176,7 @@ class AssetTables {
 /// Rounds the values that the file stores with fewer digits than a double has to the stored values,
 /// so that an asset in memory and the same asset read back give the same answers. `sparse` only:
 /// plane bases to eight decimals and plane origins to a hundred-millionth of the diagonal
-/// (orthonormal to 1e-7). Call it before tiles are fitted; it may be repeated.
+/// (orthonormal to 1e-7). Call it before anything is fitted; it may be repeated.
 void round_to_stored(Asset& asset);
 /// The same of planes alone, of an object of that diagonal, m.
 void round_planes(std::vector<SupportPlane>& planes, double diagonal);

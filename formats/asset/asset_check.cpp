@@ -7,7 +7,6 @@
 
 #include "common/asset/grid_list.hpp"
 #include "formats/asset/octree_check.hpp"
-#include "formats/asset/tile_words.hpp"
 
 namespace spm {
 namespace {
@@ -90,12 +89,6 @@ std::size_t count_bad(std::span<const float> values, bool infinity_allowed) {
   return bad;
 }
 
-std::size_t count_bad_halves(std::span<const std::uint16_t> values) {
-  std::size_t bad = 0;
-  for (const std::uint16_t value : values) bad += half_is_finite(value) ? 0U : 1U;
-  return bad;
-}
-
 }  // namespace
 
 Result<void> check_content(const AssetView& asset, const std::string& path) {
@@ -105,12 +98,6 @@ Result<void> check_content(const AssetView& asset, const std::string& path) {
     if (count_bad({map.samples, samples}, asset.full) != 0) {
       return fail(ExitCode::invalid_input, path + ": map " + std::to_string(index) +
                                                " has samples that are not numbers; bake it again");
-    }
-  }
-  for (std::size_t index = 0; index < asset.tiles.size(); ++index) {
-    if (count_bad_halves({asset.tiles[index].heights, tile_sample_count}) != 0) {
-      return fail(ExitCode::invalid_input, path + ": tile " + std::to_string(index) +
-                                               " has heights that are not numbers; bake it again");
     }
   }
   if (count_bad(asset.atlas, false) != 0) {

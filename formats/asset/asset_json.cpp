@@ -15,8 +15,7 @@ namespace {
 using Json = nlohmann::ordered_json;
 
 constexpr std::uint32_t max_maps = 1U << 24U;  // limit of a grid record
-constexpr std::uint32_t max_tiles = 1U << 24U;
-constexpr std::uint32_t max_charts = 1U << 24U;
+constexpr std::uint32_t max_charts = max_named_maps;
 constexpr std::uint32_t max_samples_a_side = 1U << 14U;
 constexpr std::uint32_t max_cells_an_axis = 1U << 20U;
 constexpr std::uint64_t max_cells = std::uint64_t{1} << 30U;
@@ -69,7 +68,7 @@ Json octree_json(const AssetDescription& description) {
   return {{"origin", json_of(octree.origin)},
           {"edge", octree.edge},
           {"roots", octree.roots},
-          {"words", description.octree_units},
+          {"words", description.octree_words},
           {"lists", description.octree_lists},
           {"value_unit", octree.value_unit},
           {"clearance_unit", octree.clearance_unit},
@@ -84,7 +83,7 @@ Json exact_json(const AssetDescription& description) {
           {"step", description.octree.lattice_step}};
 }
 
-/// Adds the number of maps or tiles of the asset's form, and the layout of their samples.
+/// Adds the number of maps of the asset's form, and the layout of their samples.
 void add_surfaces(const AssetDescription& description, Json& json) {
   const AssetMetadata& metadata = description.metadata;
   if (metadata.form == AssetForm::full) {
@@ -95,9 +94,6 @@ void add_surfaces(const AssetDescription& description, Json& json) {
     json["atlas"] = {{"charts", description.atlas_charts},
                      {"width", description.atlas.width},
                      {"spacing", description.atlas.spacing}};
-    json["tiles"] = {{"count", description.tiles},
-                     {"spacing", metadata.tile_spacing},
-                     {"height_unit", metadata.height_unit}};
   }
   if (metadata.form == AssetForm::full) json["triangles"] = description.triangles;
 }
@@ -203,7 +199,7 @@ void read_octree(JsonFields& fields, AssetDescription& description) {
       std::uint64_t{data.roots[0]} * data.roots[1] * data.roots[2] > max_cells) {
     octree.wrong("roots", "a grid of at most 2^30 cubes");
   }
-  description.octree_units = octree.integer("words", 0, max_words);
+  description.octree_words = octree.integer("words", 0, max_words);
   description.octree_lists = octree.integer("lists", 0, max_words);
   data.value_unit = octree.number("value_unit", min_length);
   data.clearance_unit = octree.number("clearance_unit", min_length);
@@ -234,13 +230,6 @@ void read_atlas(JsonFields atlas, AssetDescription& description) {
   description.atlas.width = static_cast<std::uint32_t>(
       atlas.integer("width", none ? 0 : 4, none ? 0 : max_samples_a_side));
   description.atlas.spacing = atlas.number("spacing", none ? 0 : min_length);
-}
-
-void read_tiles(JsonFields tiles, AssetDescription& description) {
-  description.tiles = static_cast<std::uint32_t>(tiles.integer("count", 0, max_tiles));
-  const double least = description.tiles == 0 ? 0 : min_length;
-  description.metadata.tile_spacing = tiles.number("spacing", least);
-  description.metadata.height_unit = tiles.number("height_unit", least);
 }
 
 void read_planes(JsonFields& fields, AssetDescription& description, std::string& problem) {
@@ -289,14 +278,14 @@ AssetDescription describe(const Asset& asset) {
                         .reach = octree.reach,
                         .beyond_share = octree.beyond_share,
                         .root_words = {},
-                        .units = {},
+                        .words = {},
                         .lists = {},
                         .lattice_origin = octree.lattice_origin,
                         .lattice_step = octree.lattice_step,
                         .corners = {},
                         .triangles = {},
                         .sides = {}};
-  description.octree_units = octree.units.size();
+  description.octree_words = octree.words.size();
   description.octree_lists = octree.lists.size();
   description.exact_triangles = octree.triangles.size() / 2;
   description.exact_corners = octree.corners.size() / 2;
@@ -310,7 +299,6 @@ AssetDescription describe(const Asset& asset) {
     description.atlas.width = asset.atlas.width;
   }
   description.atlas_charts = static_cast<std::uint32_t>(asset.atlas.charts.size());
-  description.tiles = static_cast<std::uint32_t>(asset.tiles.size());
   description.triangles = static_cast<std::uint32_t>(asset.triangles.size() / 9);
   return description;
 }
@@ -375,7 +363,6 @@ Result<AssetDescription> parse_description(std::string_view text, const std::str
   } else {
     read_octree(fields, description);
     read_atlas(fields.child("atlas"), description);
-    read_tiles(fields.child("tiles"), description);
   }
   read_planes(fields, description, problem);
   if (!problem.empty()) return refuse("in its `spm` attribute " + problem);

@@ -25,12 +25,11 @@ struct AssetDescription {
   std::array<std::uint32_t, 3> grid_cells{0, 0, 0};
   std::uint64_t grid_records = 0;                        ///< words
   OctreeData octree;                                     ///< `sparse` only, without its words
-  std::uint64_t octree_units = 0, octree_lists = 0;      ///< `sparse` only: words
+  std::uint64_t octree_words = 0, octree_lists = 0;      ///< `sparse` only: words
   std::uint64_t exact_triangles = 0, exact_corners = 0;  ///< `sparse` only
   std::uint32_t maps = 0;  ///< `full` only, with their columns and rows
   std::uint32_t map_columns = 0;
   std::uint32_t map_rows = 0;
-  std::uint32_t tiles = 0;         ///< `sparse` only
   AtlasData atlas;                 ///< `sparse` only, without its heights and charts
   std::uint32_t atlas_charts = 0;  ///< `sparse` only
   std::uint32_t triangles = 0;     ///< `full` only: of the fallback

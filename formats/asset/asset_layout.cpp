@@ -6,7 +6,6 @@
 #include <utility>
 
 #include "formats/asset/chart_words.hpp"
-#include "formats/asset/tile_words.hpp"
 
 namespace spm {
 namespace {
@@ -25,14 +24,6 @@ class Parts {
 
   [[nodiscard]] const std::byte* at(std::uint64_t offset) const { return bytes_.data() + offset; }
   [[nodiscard]] const std::vector<ExrPart>& all() const { return parts_; }
-
-  /// All words of a part that is a single tile of words; none where there is no such part.
-  [[nodiscard]] std::span<const std::uint32_t> all_words(std::string_view name) const {
-    const ExrPart* part = find(name);
-    if (part == nullptr || part->type != SampleType::uint32 || part->offsets.size() != 1) return {};
-    return {reinterpret_cast<const std::uint32_t*>(at(part->offsets.front())),
-            part->tile_samples()};
-  }
 
   /// The first `count` words of a part that is a single tile; nothing where the part is not as
   /// required. Where `count` is 0 the part must be missing.
@@ -137,39 +128,6 @@ Result<Maps> full_maps(const Parts& parts, const AssetDescription& description,
   return result;
 }
 
-/// Tiles of a `sparse` asset. All tiles of the part lie in a row of EXR tiles, the same number in
-/// each.
-Result<std::vector<Tile>> sparse_tiles(const Parts& parts, const AssetDescription& description,
-                                       const std::string& path) {
-  const std::uint64_t count = description.tiles;
-  const auto words = parts.words<std::uint32_t>(part_name::grid_tiles, count * tile_words);
-  if (!words) return wrong_part(path, part_name::grid_tiles);
-  TilesRead read = read_tiles(*words, parts.all_words(part_name::grid_masks),
-                              description.metadata.tile_spacing, description.planes.size());
-  if (!read.problem.empty()) return refuse(path, read.problem);
-  if (!parts.words<std::uint32_t>(part_name::grid_masks, read.mask_words)) {
-    return wrong_part(path, part_name::grid_masks);
-  }
-  const ExrPart* heights = parts.find(part_name::grid_tile_heights);
-  if (count == 0) {
-    if (heights != nullptr) return wrong_part(path, part_name::grid_tile_heights);
-    return std::move(read.tiles);
-  }
-  const std::uint64_t strip = heights == nullptr ? 0 : heights->tile_height / tile_samples;
-  if (heights == nullptr || heights->type != SampleType::half16 ||
-      heights->channels != stored_channels(1) || heights->tile_width != tile_samples ||
-      strip == 0 || heights->tile_height != strip * tile_samples ||
-      heights->offsets.size() != (count + strip - 1) / strip) {
-    return wrong_part(path, part_name::grid_tile_heights);
-  }
-  for (std::size_t index = 0; index < count; ++index) {
-    const std::byte* samples = parts.at(heights->offsets[index / strip]);
-    read.tiles[index].heights =
-        reinterpret_cast<const std::uint16_t*>(samples) + index % strip * tile_sample_count;
-  }
-  return std::move(read.tiles);
-}
-
 /// The distance maps of a `sparse` asset, and the heights of all of them.
 struct AtlasRead {
   std::vector<HeightChart> charts;
@@ -236,8 +194,8 @@ std::string_view find_octree(const Parts& parts, const AssetDescription& descrip
   const auto roots = parts.words<std::uint32_t>(
       part_name::grid_roots, std::uint64_t{data.roots[0]} * data.roots[1] * data.roots[2]);
   if (!roots) return part_name::grid_roots;
-  const auto units = parts.words<std::uint32_t>(part_name::grid_cubes, description.octree_units);
-  if (!units) return part_name::grid_cubes;
+  const auto words = parts.words<std::uint32_t>(part_name::grid_cubes, description.octree_words);
+  if (!words) return part_name::grid_cubes;
   const auto lists = parts.words<std::uint32_t>(part_name::grid_lists, description.octree_lists);
   if (!lists) return part_name::grid_lists;
   const auto triangles =
@@ -251,7 +209,7 @@ std::string_view find_octree(const Parts& parts, const AssetDescription& descrip
   if (!sides) return part_name::triangles_sides;
   data.add_to(view);
   view.octree.root_words = *roots;
-  view.octree.units = *units;
+  view.octree.words = *words;
   view.octree.lists = *lists;
   view.exact.triangles = *triangles;
   view.exact.corners = *corners;
@@ -263,13 +221,12 @@ std::string_view find_octree(const Parts& parts, const AssetDescription& descrip
 const ExrPart* unexpected_part(const Parts& parts, bool full) {
   for (const ExrPart& part : parts.all()) {
     const std::string& name = part.name;
-    const bool common = name == part_name::grid_masks || name == part_name::triangles;
-    const bool own = full ? name.starts_with(part_name::heights) || name == part_name::grid_index ||
-                                name == part_name::grid_records
-                          : name == part_name::heights || name == part_name::grid_tiles ||
-                                name == part_name::grid_tile_heights ||
-                                name == part_name::grid_maps || name == part_name::grid_roots ||
-                                name == part_name::grid_cubes || name == part_name::grid_lists ||
+    const bool common = name == part_name::triangles;
+    const bool own = full ? name.starts_with(part_name::heights) || name == part_name::grid_masks ||
+                                name == part_name::grid_index || name == part_name::grid_records
+                          : name == part_name::heights || name == part_name::grid_maps ||
+                                name == part_name::grid_roots || name == part_name::grid_cubes ||
+                                name == part_name::grid_lists ||
                                 name == part_name::triangles_corners ||
                                 name == part_name::triangles_sides;
     if (!common && !own) return &part;
@@ -286,20 +243,16 @@ Result<AssetTables> lay_out(std::span<const std::byte> bytes, const std::vector<
   if (const ExrPart* part = unexpected_part(parts, full)) return wrong_part(path, part->name);
   Result<Maps> maps = full ? full_maps(parts, description, path) : Result<Maps>();
   if (!maps) return tl::make_unexpected(std::move(maps.error()));
-  Result<std::vector<Tile>> tiles =
-      full ? Result<std::vector<Tile>>() : sparse_tiles(parts, description, path);
-  if (!tiles) return tl::make_unexpected(std::move(tiles.error()));
   Result<AtlasRead> atlas = full ? Result<AtlasRead>() : sparse_maps(parts, description, path);
   if (!atlas) return tl::make_unexpected(std::move(atlas.error()));
   AssetView rest;
   rest.atlas = atlas->heights;
-  rest.height_unit = static_cast<float>(description.metadata.height_unit);
   const std::string_view wrong =
       full ? find_grid(parts, description, rest) : find_octree(parts, description, rest);
   if (!wrong.empty()) return wrong_part(path, wrong);
   description.metadata.add_to(rest);
   return AssetTables(description.planes, std::move(maps->maps), std::move(maps->layer_offsets),
-                     std::move(*tiles), std::move(atlas->charts), rest);
+                     std::move(atlas->charts), rest);
 }
 
 }  // namespace spm

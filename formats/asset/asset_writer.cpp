@@ -11,7 +11,6 @@
 #include "formats/asset/asset.hpp"
 #include "formats/asset/asset_json.hpp"
 #include "formats/asset/chart_words.hpp"
-#include "formats/asset/tile_words.hpp"
 #include "formats/exr/exr_writer.hpp"
 #include "formats/files/host.hpp"
 #include "formats/files/json_text.hpp"
@@ -102,32 +101,6 @@ std::vector<PartPlan> full_parts(const Asset& asset, std::vector<std::uint32_t>&
   return parts;
 }
 
-/// The tiles' heights, in a row of EXR tiles with the same number of tiles each.
-PartPlan sparse_part(const Asset& asset) {
-  constexpr std::size_t tile_bytes =
-      std::size_t{tile_sample_count} * sample_bytes(SampleType::half16);
-  const auto count = static_cast<std::uint32_t>(asset.tiles.size());
-  const std::uint32_t strip = arrange_strips(count);
-  PartPlan part;
-  part.name = part_name::grid_tile_heights;
-  part.type = SampleType::half16;
-  part.channels = stored_channels(1);
-  part.tile_width = tile_samples;
-  part.tile_height = strip * tile_samples;
-  part.tiles = {(count + strip - 1) / strip, 1};
-  part.payload = [&asset, strip, bytes = part.tile_bytes()](std::uint32_t chunk,
-                                                            std::vector<std::byte>& scratch) {
-    scratch.assign(bytes, std::byte{0});
-    const std::size_t first = std::size_t{chunk} * strip;
-    for (std::size_t k = 0; k < strip && first + k < asset.tiles.size(); ++k) {
-      std::memcpy(scratch.data() + k * tile_bytes, asset.tiles[first + k].heights.data(),
-                  tile_bytes);
-    }
-    return std::span<const std::byte>(scratch);
-  };
-  return part;
-}
-
 /// The heights of a `sparse` asset's distance maps, as one picture.
 PartPlan atlas_part(const Asset& asset) {
   PartPlan part;
@@ -171,22 +144,8 @@ std::string map_problem(const Asset& asset) {
                        map.rows >= 2 && map.layers >= 1 && map.layers <= 255 &&
                        map.samples.size() == samples &&
                        map.mask.size() == mask_words(map.columns, map.rows, map.layers);
-    const bool place =
-        map.plane == index && map.eta0 == 0 && map.omega0 == 0 && map.first_layer == 0;
+    const bool place = map.plane == index && map.eta0 == 0 && map.omega0 == 0;
     if (!shape || !place) return "its map " + std::to_string(index) + " is inconsistent";
-  }
-  return {};
-}
-
-/// The error in the tiles of a `sparse` asset; empty where there is none.
-std::string tiles_problem(const Asset& asset) {
-  const AssetMetadata& metadata = asset.metadata;
-  if (!asset.tiles.empty() && !(metadata.tile_spacing > 0 && metadata.height_unit > 0)) {
-    return "its tiles have no spacing or no unit";
-  }
-  for (std::size_t index = 0; index < asset.tiles.size(); ++index) {
-    const std::string problem = tile_problem(asset.tiles[index], asset.planes.size());
-    if (!problem.empty()) return "its tile " + std::to_string(index) + " " + problem;
   }
   return {};
 }
@@ -204,12 +163,12 @@ std::string inconsistency(const Asset& asset) {
   if (grid.records.size() > offset_mask) return "its grid has more words than can be named";
   const OctreeData& octree = asset.octree;
   const std::size_t roots = std::size_t{octree.roots[0]} * octree.roots[1] * octree.roots[2];
-  if (octree.root_words.size() != roots || (roots == 0) != full || octree.units.size() % 2 != 0 ||
-      octree.corners.size() % 2 != 0 || octree.triangles.size() % 2 != 0 ||
+  if (octree.root_words.size() != roots || (roots == 0) != full || octree.corners.size() % 2 != 0 ||
+      octree.triangles.size() % 2 != 0 ||
       octree.sides.size() != (octree.triangles.size() / 2 + 1) / 2) {
     return "its octree is not of whole cubes and triangles, or of the other form";
   }
-  if (full && !(octree.units.empty() && octree.lists.empty() && octree.corners.empty() &&
+  if (full && !(octree.words.empty() && octree.lists.empty() && octree.corners.empty() &&
                 octree.triangles.empty())) {
     return "it holds parts of an octree, which belongs to the other form";
   }
@@ -219,22 +178,10 @@ std::string inconsistency(const Asset& asset) {
   if (asset.triangles.size() % 9 != 0 || (!full && !asset.triangles.empty())) {
     return "its triangles are not of nine numbers, or of the other form";
   }
-  if (full ? !asset.tiles.empty() || !asset.atlas.charts.empty() : !asset.maps.empty()) {
+  if (full ? !asset.atlas.charts.empty() : !asset.maps.empty()) {
     return "it holds what belongs to the other form";
   }
-  if (full) return map_problem(asset);
-  const std::string problem = atlas_problem(asset);
-  return problem.empty() ? tiles_problem(asset) : problem;
-}
-
-/// The words of the tiles; the masks also of a `full` asset. They must live until the file is
-/// written.
-TileWords gather(const Asset& asset) {
-  TileWords words = words_of(asset.tiles);
-  for (const MapData& map : asset.maps) {
-    words.masks.insert(words.masks.end(), map.mask.begin(), map.mask.end());
-  }
-  return words;
+  return full ? map_problem(asset) : atlas_problem(asset);
 }
 
 std::vector<Attribute> attributes_of(const AssetDescription& description) {
@@ -272,21 +219,20 @@ Result<AssetBytes> write_asset(const Asset& asset, const std::string& path) {
   } else {
     // Viewers open the first.
     if (!asset.atlas.charts.empty()) parts.push_back(atlas_part(asset));
-    if (!asset.tiles.empty()) parts.push_back(sparse_part(asset));
   }
   const std::vector<std::uint32_t> charts = words_of(asset.atlas.charts);
-  const TileWords tiles = gather(asset);
+  std::vector<std::uint32_t> masks;
+  for (const MapData& map : asset.maps) masks.insert(masks.end(), map.mask.begin(), map.mask.end());
   const auto add = [&parts](std::string_view name, SampleType type, const auto& values) {
     if (!values.empty()) parts.push_back(flat_part(name, type, std::span(values)));
   };
   add(part_name::grid_index, SampleType::uint32, asset.grid.index);
   add(part_name::grid_records, SampleType::uint32, asset.grid.records);
   add(part_name::grid_roots, SampleType::uint32, asset.octree.root_words);
-  add(part_name::grid_cubes, SampleType::uint32, asset.octree.units);
+  add(part_name::grid_cubes, SampleType::uint32, asset.octree.words);
   add(part_name::grid_lists, SampleType::uint32, asset.octree.lists);
   add(part_name::grid_maps, SampleType::uint32, charts);
-  add(part_name::grid_tiles, SampleType::uint32, tiles.tiles);
-  add(part_name::grid_masks, SampleType::uint32, tiles.masks);
+  add(part_name::grid_masks, SampleType::uint32, masks);
   add(part_name::triangles, SampleType::float32, asset.triangles);
   add(part_name::triangles, SampleType::uint32, asset.octree.triangles);
   add(part_name::triangles_corners, SampleType::uint32, asset.octree.corners);
@@ -307,19 +253,8 @@ std::uint64_t bytes_without_octree(const Asset& asset) {
   // Of parts that are not there yet: header, table and chunk of each, and words that fill its
   // picture up.
   constexpr std::uint64_t octree_parts = 6, part_bytes = 512;
-  std::uint64_t bytes = octree_parts * part_bytes;
-  std::vector<PartPlan> parts;
-  if (!asset.tiles.empty()) parts.push_back(sparse_part(asset));
-  const TileWords tiles = gather(asset);
-  if (!tiles.tiles.empty()) {
-    parts.push_back(flat_part(part_name::grid_tiles, SampleType::uint32, std::span(tiles.tiles)));
-  }
-  if (!tiles.masks.empty()) {
-    parts.push_back(flat_part(part_name::grid_masks, SampleType::uint32, std::span(tiles.masks)));
-  }
-  for (const PartPlan& part : parts) bytes += part.payload_bytes() + part_bytes;
   constexpr std::uint64_t description_bytes = 2560, plane_bytes = 320;
-  return bytes + description_bytes + plane_bytes * asset.planes.size();
+  return octree_parts * part_bytes + description_bytes + plane_bytes * asset.planes.size();
 }
 
 Result<void> check_output_path(const std::string& path) {

@@ -139,7 +139,6 @@ Result<std::unique_ptr<MappedAsset>> MappedAsset::open(const std::string& path,
   Result<AssetTables> tables = lay_out(bytes, *parts, *description, path);
   if (!tables) return failed(tables);
   if (auto good = check_content(tables->view(), path); !good) return failed(good);
-  if (!options.tiles) tables->drop_tiles();
   if (options.prefault) (*file)->touch();
   // The file that is mapped now must be the one that was checked above.
   if (options.mode == MapMode::file && (*file)->state() != AssetState::intact) {

@@ -22,7 +22,6 @@ enum class MapMode {
 struct MapOptions {
   MapMode mode = MapMode::file;
   bool prefault = false;  ///< read every page before open returns
-  bool tiles = false;     ///< keep a table of the tiles: what the asset shows of its surface
   bool lock = false;      ///< mlock the mapping where permitted; `locked()` says whether it was
 };
 

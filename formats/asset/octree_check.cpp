@@ -18,24 +18,24 @@ constexpr std::uint32_t max_bend_exponent = bend_exponent_bias + 16;
 /// A cube whose words are still to be checked.
 struct Cube {
   OctreeKind kind = OctreeKind::far;
-  std::uint32_t unit = 0;
+  std::uint32_t word = 0;
   int level = 0;
 };
 
-/// Walks over all cubes. Each unit belongs to one cube, so the walk ends after as many steps.
+/// Walks over all cubes. Each word belongs to one cube, so the walk ends after as many steps.
 class OctreeCheck {
  public:
   OctreeCheck(const AssetView& asset, std::size_t& steps)
       : asset_(asset),
         steps_(steps),
-        taken_(asset.octree.units.size() / 2, false),
+        taken_(asset.octree.words.size(), false),
         listed_(asset.octree.lists.size(), false),
         lists_(asset.octree.lists.size(), 0) {}
 
   [[nodiscard]] std::string problem() {
     for (const std::uint32_t word : asset_.octree.root_words) {
       const OctreeRoot root = unpack_root(word);
-      if (std::string_view found = meet({root.kind, root.unit, 0}); !found.empty()) {
+      if (std::string_view found = meet({root.kind, root.word, 0}); !found.empty()) {
         return "a cube of its octree " + std::string(found);
       }
     }
@@ -52,8 +52,8 @@ class OctreeCheck {
  private:
   const AssetView& asset_;
   std::size_t& steps_;
-  std::vector<bool> taken_, listed_;  ///< units, and words of lists, that belong to a cube
-  std::vector<std::uint32_t> lists_;  ///< by the first word, the word of a unit that names the list
+  std::vector<bool> taken_, listed_;  ///< words of cubes and of lists that belong to a cube
+  std::vector<std::uint32_t> lists_;  ///< by the first word, the word of a cube that names the list
   std::vector<Cube> open_;
 
   [[nodiscard]] std::string_view meet(const Cube& cube) {
@@ -73,31 +73,33 @@ class OctreeCheck {
       default:
         return "is of no kind";
     }
-    const std::size_t units = units_of(cube.kind);
-    if (cube.unit > taken_.size() || units > taken_.size() - cube.unit) return "is cut short";
-    for (std::size_t k = cube.unit; k < cube.unit + units; ++k) {
-      if (taken_[k]) return "shares its words with another";
-      taken_[k] = true;
-    }
+    if (std::string_view found = take(cube.word, words_of(cube.kind)); !found.empty()) return found;
     open_.push_back(cube);
     return {};
   }
 
+  /// Gives words to a cube.
+  [[nodiscard]] std::string_view take(std::size_t first, std::size_t count) {
+    if (first > taken_.size() || count > taken_.size() - first) return "is cut short";
+    for (std::size_t k = first; k < first + count; ++k) {
+      if (taken_[k]) return "shares its words with another";
+      taken_[k] = true;
+    }
+    return {};
+  }
+
   [[nodiscard]] std::string_view look_into(const Cube& cube) {
-    const std::uint32_t* words = asset_.octree.units.data() + 2 * std::size_t{cube.unit};
+    const std::uint32_t* words = asset_.octree.words.data() + cube.word;
     switch (cube.kind) {
       case OctreeKind::split:
         return look_into_split(words, cube.level);
       case OctreeKind::list:
         return list_problem(words);
       case OctreeKind::map:
-        return chart_problem(words);
+        return chart_problem(NamedMaps(words[0]));
       case OctreeKind::least:
       case OctreeKind::most:
-        if (std::string_view found = map_problem(words + local_map_words); !found.empty()) {
-          return found;
-        }
-        return map_problem(words);
+        return pair_problem(words[0]);
       case OctreeKind::polynomial:
         return map_problem(words);
       default:
@@ -109,9 +111,9 @@ class OctreeCheck {
     if (level == max_octree_levels) return "is split too often";
     for (std::uint32_t octant = 0; octant < 8; ++octant) {
       const auto kind = static_cast<OctreeKind>((words[1] >> (4 * octant)) & 15U);
-      const std::uint64_t unit = std::uint64_t{words[0]} + units_before(words[1], octant);
-      if (unit > 0xFFFFFFFFU) return "is cut short";
-      const auto found = meet({kind, static_cast<std::uint32_t>(unit), level + 1});
+      const std::uint64_t word = std::uint64_t{words[0]} + words_before(words[1], octant);
+      if (word > 0xFFFFFFFFU) return "is cut short";
+      const auto found = meet({kind, static_cast<std::uint32_t>(word), level + 1});
       if (!found.empty()) return found;
     }
     return {};
@@ -138,13 +140,19 @@ class OctreeCheck {
     return {};
   }
 
-  [[nodiscard]] std::string_view chart_problem(const std::uint32_t* words) const {
-    const std::uint32_t second = words[1] & ~larger_bit;
-    if (words[0] >= asset_.charts.size() || second > asset_.charts.size() ||
-        (second == 0 && words[1] != 0)) {
+  [[nodiscard]] std::string_view chart_problem(const NamedMaps& maps) const {
+    if (maps.first >= asset_.charts.size() || maps.second_from_one > asset_.charts.size() ||
+        (!maps.two() && maps.larger)) {
       return "names a distance map that does not exist";
     }
     return {};
+  }
+
+  [[nodiscard]] std::string_view pair_problem(std::size_t first) {
+    if (std::string_view found = take(first, 2 * local_map_words); !found.empty()) return found;
+    const std::uint32_t* words = asset_.octree.words.data() + first;
+    const std::string_view found = map_problem(words);
+    return found.empty() ? map_problem(words + local_map_words) : found;
   }
 
   [[nodiscard]] std::string_view map_problem(const std::uint32_t* words) const {

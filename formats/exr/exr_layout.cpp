@@ -6,8 +6,6 @@
 #include <limits>
 #include <tuple>
 
-#include "common/surface/tile.hpp"
-
 namespace spm {
 
 std::string heights_part_name(std::uint32_t layers) {
@@ -53,24 +51,6 @@ TileGrid arrange_tiles(std::uint32_t count, std::uint32_t tile_width, std::uint3
     }
   }
   return best;
-}
-
-std::uint32_t arrange_strips(std::uint64_t count) {
-  constexpr std::uint64_t longest = 32;
-  constexpr std::uint64_t chunk_bytes = chunk_header_bytes + sizeof(std::uint64_t);
-  constexpr std::uint64_t tile_bytes =
-      std::uint64_t{tile_sample_count} * sample_bytes(SampleType::half16);
-  std::uint64_t best = 2;
-  std::uint64_t best_cost = std::numeric_limits<std::uint64_t>::max();
-  for (std::uint64_t height = 1; height * height <= longest * count; ++height) {
-    const std::uint64_t strips = (count + height - 1) / height;
-    if (height * height * longest < count || height * strips % 2 != 0) continue;
-    const std::uint64_t cost = strips * (chunk_bytes + height * tile_bytes);
-    if (cost >= best_cost) continue;
-    best = height;
-    best_cost = cost;
-  }
-  return static_cast<std::uint32_t>(best);
 }
 
 TileGrid arrange_words(std::uint64_t count) {

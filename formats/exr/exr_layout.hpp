@@ -13,16 +13,14 @@ namespace spm {
 // Names of parts and attributes of a baked file. The attributes belong to the first part. The
 // values of `checksum` and `bytes` have a fixed width, because they are filled in last.
 namespace part_name {
-inline constexpr std::string_view heights = "heights";  ///< `full` adds the number of layers
-inline constexpr std::string_view grid_tile_heights = "grid_tile_heights";  ///< `sparse` only
-inline constexpr std::string_view grid_maps = "grid_maps";                  ///< `sparse` only
-inline constexpr std::string_view grid_index = "grid_index";                ///< `full` only
-inline constexpr std::string_view grid_records = "grid_records";            ///< `full` only
-inline constexpr std::string_view grid_roots = "grid_roots";                ///< `sparse` only
-inline constexpr std::string_view grid_cubes = "grid_cubes";                ///< `sparse` only
-inline constexpr std::string_view grid_lists = "grid_lists";                ///< `sparse` only
-inline constexpr std::string_view grid_masks = "grid_masks";
-inline constexpr std::string_view grid_tiles = "grid_tiles";  ///< `sparse` only
+inline constexpr std::string_view heights = "heights";        ///< `full` adds the number of layers
+inline constexpr std::string_view grid_maps = "grid_maps";    ///< `sparse` only
+inline constexpr std::string_view grid_index = "grid_index";  ///< `full` only
+inline constexpr std::string_view grid_records = "grid_records";  ///< `full` only
+inline constexpr std::string_view grid_roots = "grid_roots";      ///< `sparse` only
+inline constexpr std::string_view grid_cubes = "grid_cubes";      ///< `sparse` only
+inline constexpr std::string_view grid_lists = "grid_lists";      ///< `sparse` only
+inline constexpr std::string_view grid_masks = "grid_masks";      ///< `full` only
 inline constexpr std::string_view triangles = "triangles";
 inline constexpr std::string_view triangles_corners = "triangles_corners";  ///< `sparse` only
 inline constexpr std::string_view triangles_sides = "triangles_sides";      ///< `sparse` only
@@ -72,12 +70,6 @@ struct TileGrid {
 /// then with as few spare tiles as possible, then as square as possible.
 [[nodiscard]] TileGrid arrange_tiles(std::uint32_t count, std::uint32_t tile_width,
                                      std::uint32_t tile_height);
-
-/// Number of tiles of a `sparse` asset that one EXR tile holds, one below the other, for `count`
-/// tiles in all, 1 or more. It spends the fewest bytes on spare tiles and on chunks while the row
-/// of EXR tiles is at most 32 times as long as wide, or as wide as long. The total is a whole
-/// number of words, so that the parts behind are aligned to words.
-[[nodiscard]] std::uint32_t arrange_strips(std::uint64_t count);
 
 /// Dimensions of a picture for a flat array of `count` words, 1 or more, with few spare words.
 [[nodiscard]] TileGrid arrange_words(std::uint64_t count);

@@ -184,7 +184,6 @@ Result<Assets> open_assets(const ForceChoice& choice) {
   map.lock = true;
   Assets assets;
   for (std::size_t i = 0; i < choice.assets.size(); ++i) {
-    map.tiles = is_tool(choice.scene, i);  // samples are made of them
     auto asset = MappedAsset::open(choice.assets[i], map);
     if (!asset) return at_place(place_of_asset(choice, i), asset.error());
     if (auto checked = check_asset((*asset)->metadata(), choice, i); !checked) {

@@ -46,23 +46,23 @@ constexpr double close = 0.9;
 /// Samples at most as many as asked for, where `spacing` gives more. Their number falls by jumps
 /// where faces take up samples in rows: first the spacing grows until they are few enough, and then
 /// the place of the jump is halved in on. Where even one cube around the whole tool has more,
-/// these.
-Result<SurfaceSamples> fewer(const AssetView& asset, std::size_t most, double spacing) {
+/// these. `around`, m: the edge of such a cube.
+Result<SurfaceSamples> fewer(SurfaceSampler& sampler, double around, std::size_t most,
+                             double spacing) {
   constexpr int halvings = 12;
   const auto count = [](const SurfaceSamples& samples) { return samples.levels.back().count; };
-  const double around = 2 * extent_of(asset).size.norm();
   double step = 1.1, fits = spacing;
   Result<SurfaceSamples> best;
   do {
     spacing = fits;
     fits = std::min(around, fits * step);
     step *= step;
-    best = sample_surface(asset, fits);
+    best = sampler.sample(fits);
   } while (best && count(*best) > most && fits < around);
   for (int i = 0; best && i < halvings; ++i) {
     if (static_cast<double>(count(*best)) > close * static_cast<double>(most)) break;
     const double middle = std::sqrt(spacing * fits);
-    Result<SurfaceSamples> tried = sample_surface(asset, middle);
+    Result<SurfaceSamples> tried = sampler.sample(middle);
     if (!tried) return tried;
     if (count(*tried) > most) {
       spacing = middle;
@@ -78,24 +78,25 @@ Result<SurfaceSamples> fewer(const AssetView& asset, std::size_t most, double sp
 Result<SurfaceSamples> sampled(const AssetView& asset, const ToolSettings& settings) {
   const double size = extent_of(asset).size.norm();
   double spacing = settings.spacing;
-  if (spacing > 0) return sample_surface(asset, spacing);
+  SurfaceSampler sampler(asset);
+  if (spacing > 0) return sampler.sample(spacing);
   const double wanted =
       settings.samples > 0 ? static_cast<double>(settings.samples) : chosen_samples;
   spacing = size / std::sqrt(wanted);
   const double least = std::min(least_spacing / settings.placement.scale, size / least_parts);
   const bool tiny = spacing < least;
   spacing = std::max(spacing, least);
-  Result<SurfaceSamples> made = sample_surface(asset, spacing);
+  Result<SurfaceSamples> made = sampler.sample(spacing);
   for (int trial = 0; made && !tiny && trial < spacing_trials; ++trial) {
     const double share = static_cast<double>(made->levels.back().count) / wanted;
     if (share <= 1 && share > close) break;
     // A little coarser than would just do, since the number is an upper bound.
     spacing *= std::sqrt(share) * (share > 1 ? 1.02 : 1.01);
-    made = sample_surface(asset, spacing);
+    made = sampler.sample(spacing);
   }
   const bool too_many =
       made && settings.samples > 0 && made->levels.back().count > settings.samples;
-  return too_many ? fewer(asset, settings.samples, spacing) : std::move(made);
+  return too_many ? fewer(sampler, 2 * size, settings.samples, spacing) : std::move(made);
 }
 
 /// The same samples in the frame of the device's tool, in metres of the world.

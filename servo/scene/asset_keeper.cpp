@@ -31,7 +31,6 @@ Result<std::unique_ptr<AssetKeeper::Holding>> AssetKeeper::load() const {
   map.mode = options_.mode;
   map.prefault = true;
   map.lock = options_.lock;
-  map.tiles = static_cast<bool>(options_.sample);  // samples are made of them
   const auto started = steady_clock::now();
   auto asset = MappedAsset::open(options_.path, map);
   if (!asset) return tl::make_unexpected(std::move(asset.error()));

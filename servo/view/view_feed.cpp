@@ -10,7 +10,7 @@
 #include <utility>
 
 #include "formats/asset/mapped_asset.hpp"
-#include "servo/view/surface_mesh.hpp"
+#include "servo/view/mesh_bytes.hpp"
 
 namespace spm::servo {
 
@@ -201,7 +201,7 @@ ViewFeed::Mesh ViewFeed::load(const std::string& path, const std::string& stamp)
       mesh.error = asset.error().message;
       return mesh;
     }
-    const SurfaceMesh surface = surface_mesh((*asset)->view());
+    const ContourMesh surface = contour_mesh((*asset)->view(), picture_cells);
     mesh.bytes = std::make_shared<const std::string>(to_bytes(surface));
     mesh.cell = surface.cell;
     mesh.triangles = surface.triangles.size() / 3;

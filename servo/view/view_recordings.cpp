@@ -6,7 +6,7 @@
 #include <string_view>
 #include <utility>
 
-#include "servo/view/surface_mesh.hpp"
+#include "servo/view/mesh_bytes.hpp"
 
 namespace spm::servo {
 
@@ -81,7 +81,7 @@ std::optional<std::string> ViewRecordings::mesh(std::size_t recording, std::size
   if (asset >= assets.size() || assets[asset].asset == nullptr) return {};
   const auto made = meshes_.find({recording, asset});
   if (made != meshes_.end()) return made->second;
-  std::string bytes = to_bytes(surface_mesh(assets[asset].asset->view()));
+  std::string bytes = to_bytes(contour_mesh(assets[asset].asset->view(), picture_cells));
   meshes_[{recording, asset}] = bytes;
   return bytes;
 }

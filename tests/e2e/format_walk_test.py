@@ -12,7 +12,7 @@ import unittest
 
 from programs import Case, generate, run
 
-MAP, SPLIT = 7, 5
+MAP, SPLIT = 5, 8
 LARGER = 1 << 31
 
 
@@ -64,24 +64,25 @@ class Reader:
         self.roots, self.cubes = exr.samples("grid_roots", "I"), exr.samples("grid_cubes", "I")
 
     def leaf(self, place):
-        """Kind and first unit of the cube around a place."""
-        at = [(x - low) / self.octree["edge"] for x, low in zip(place, self.octree["origin"])]
+        """Kind and first word of the cube around a place."""
+        place_in_roots = [(x - low) / self.octree["edge"]
+                          for x, low in zip(place, self.octree["origin"])]
         counts = self.octree["roots"]
-        if any(not 0 <= x < count for x, count in zip(at, counts)):
+        if any(not 0 <= x < count for x, count in zip(place_in_roots, counts)):
             return 0, 0
-        root = [int(x) for x in at]
+        root = [int(x) for x in place_in_roots]
         word = self.roots[root[0] + counts[0] * (root[1] + counts[1] * root[2])]
-        kind, unit, within = word & 15, word >> 4, [x - int(x) for x in at]
+        kind, at, within = word & 15, word >> 4, [x - int(x) for x in place_in_roots]
         while kind == SPLIT:
-            first, word = self.cubes[2 * unit:2 * unit + 2]
+            first, word = self.cubes[at:at + 2]
             within = [2 * x for x in within]
             octant = sum(int(x) << k for k, x in enumerate(within))
             within = [x - int(x) for x in within]
             kinds = [word >> 4 * k & 15 for k in range(8)]
             kind = kinds[octant]
-            # Two top bits of a kind: how many units, 4 of the largest.
-            unit = first + sum((k >> 2) + (k >> 2 == 3) for k in kinds[:octant])
-        return kind, unit
+            # Two top bits of a kind: how many words, 4 of the largest.
+            at = first + sum((k >> 2) + (k >> 2 == 3) for k in kinds[:octant])
+        return kind, at
 
     def on_map(self, number, place):
         """Signed distance and unit normal by eq. 1 to 5."""
@@ -116,14 +117,14 @@ class Reader:
 
     def answer(self, place):
         """None where no distance map answers."""
-        kind, unit = self.leaf(place)
+        kind, at = self.leaf(place)
         if kind != MAP:
             return None
-        first, second = self.cubes[2 * unit:2 * unit + 2]
-        found = [self.on_map(first, place)]
-        if second:
-            found.append(self.on_map((second & ~LARGER) - 1, place))
-        return (max if second & LARGER else min)(found)
+        word = self.cubes[at]
+        found = [self.on_map(word & 0xFFFF, place)]
+        if second := word >> 16 & 0x7FFF:
+            found.append(self.on_map(second - 1, place))
+        return (max if word & LARGER else min)(found)
 
 
 class FormatWalk(Case):

@@ -66,7 +66,7 @@ class Report(Shown):
         self.assertIn(f"{self.built['bytes']:,} bytes", self.text("facts"))
         self.assertEqual(self.browser.run("return document.querySelectorAll('#histogram g rect').length"), 41)
         self.assertEqual(self.browser.run("return document.querySelectorAll('#worst tbody tr').length"), 20)
-        self.assertEqual(self.browser.run("return document.querySelectorAll('#pictures img').length"), 7)
+        self.assertEqual(self.browser.run("return document.querySelectorAll('#pictures img').length"), 8)
         self.assertIn("total", self.text("times"))
         self.assertLess(os.path.getsize(self.page), LARGEST)
 

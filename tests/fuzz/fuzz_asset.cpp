@@ -7,13 +7,13 @@
 #include <span>
 
 #include "common/contact/proxy.hpp"
+#include "common/contour/contour_mesh.hpp"
 #include "common/query/query.hpp"
 #include "common/sixdof/surface_samples.hpp"
 #include "formats/asset/mapped_asset.hpp"
 #include "formats/exr/exr_header.hpp"
 #include "formats/exr/exr_layout.hpp"
 #include "formats/files/checksum.hpp"
-#include "servo/view/surface_mesh.hpp"
 #include "tests/fuzz/fuzz_target.hpp"
 #include "tests/servo/support/shape_asset.hpp"
 #include "tests/support/shapes.hpp"
@@ -57,7 +57,7 @@ void ask(const AssetView& asset) {
     require(std::isfinite(contact.depth) && contact.proxy.allFinite(), "a proxy is somewhere");
   }
   if (!asset.full) static_cast<void>(sample_surface(asset, extent.size.maxCoeff() / 40));
-  static_cast<void>(servo::surface_mesh(asset, 12));
+  static_cast<void>(contour_mesh(asset, 12));
 }
 
 std::string baked(const Asset& asset) {
@@ -70,8 +70,7 @@ std::string baked(const Asset& asset) {
 }  // namespace
 
 std::vector<std::string> seeds() {
-  return {baked(test::shape_asset(test::box({0.01, 0.012, 0.008}), true)),
-          baked(test::box_asset(0.01))};
+  return {baked(test::shape_asset(test::box({0.01, 0.012, 0.008}))), baked(test::box_asset(0.01))};
 }
 
 std::vector<std::string> endings() { return {".spm.exr"}; }
@@ -85,7 +84,6 @@ extern "C" int LLVMFuzzerTestOneInput(const std::uint8_t* data, std::size_t size
   file.write(bytes);
   spm::MapOptions options;
   options.mode = spm::MapMode::sealed;
-  options.tiles = true;
   const auto asset = spm::MappedAsset::open(file.path(), options);
   if (asset) spm::fuzz::ask((*asset)->view());
   return 0;

@@ -23,35 +23,8 @@ MapByHand map_by_hand(std::uint32_t plane, std::uint32_t columns, std::uint32_t 
     }
   }
   made.mask.assign(mask_words(columns, rows, layers), 0xFFFFFFFFU);
-  made.map = {nullptr, nullptr, nullptr, plane, columns, rows,
-              layers,  columns, 0,       eta0,  omega0,  spacing};
-  return made;
-}
-
-Tile TileByHand::view(float height_unit) const {
-  Tile made = tile;
-  made.heights = heights.data();
-  made.clips = clips.data();
-  derive_bounds(made, height_unit);
-  return made;
-}
-
-TileByHand tile_by_hand(std::uint32_t plane, double eta0, double omega0, float spacing,
-                        float height_unit, const std::function<double(double, double)>& depth) {
-  TileByHand made;
-  Tile& tile = made.tile;
-  tile.plane = plane;
-  tile.eta0 = eta0;
-  tile.omega0 = omega0;
-  tile.spacing = spacing;
-  tile.base = depth(eta0, omega0);
-  tile.valid = ~std::uint64_t{0};
-  const auto step = static_cast<double>(spacing);
-  for (std::uint32_t i = 0; i < tile_sample_count; ++i) {
-    const double eta = eta0 + (i % tile_samples) * step, omega = omega0 + (i / tile_samples) * step;
-    made.heights[i] =
-        float_to_half(static_cast<float>((depth(eta, omega) - tile.base) / double{height_unit}));
-  }
+  made.map = {nullptr, nullptr, nullptr, plane,  columns, rows,
+              layers,  columns, eta0,    omega0, spacing};
   return made;
 }
 
@@ -118,13 +91,10 @@ void BoxByHand::refresh() {
   view.plane_offset = offset;
 }
 
-TiledCubeByHand::TiledCubeByHand(double size, const Band& band) {
+SparseCubeByHand::SparseCubeByHand(double size, const Band& band) {
   for (int axis = 0; axis < 3; ++axis) {
     for (const double side : {1.0, -1.0}) {
       const Vector3 normal = side * Vector3::Unit(axis);
-      by_hand.push_back(tile_by_hand(static_cast<std::uint32_t>(planes.size()), -size / 2,
-                                     -size / 2, static_cast<float>(size / tile_cells), 1e-6F,
-                                     [](double, double) { return 0.0; }));
       planes.push_back(plane_with_normal(size / 2 * normal, normal));
     }
   }
@@ -134,21 +104,27 @@ TiledCubeByHand::TiledCubeByHand(double size, const Band& band) {
   octree.lattice_step = size / (2 * half_steps);
   replace_triangles(box(Vector3::Constant(size)));
   view.band = band;
-  view.height_unit = 1e-6F;
   view.tolerance = 1e-5;
   refresh();
 }
 
-void TiledCubeByHand::replace_triangles(const Shape& shape) {
+void SparseCubeByHand::replace_triangles(const Shape& shape) {
   octree = triangle_octree(shape, {.low = octree.origin, .edge = octree.edge}, octree.lattice_step);
+  if (!shape.vertices.empty()) view.box_low = view.box_high = shape.vertices.front();
+  for (const Vector3& vertex : shape.vertices) {
+    view.box_low = view.box_low.cwiseMin(vertex);
+    view.box_high = view.box_high.cwiseMax(vertex);
+  }
   refresh();
 }
 
-void TiledCubeByHand::refresh() {
-  tiles.clear();
-  for (const TileByHand& made : by_hand) tiles.push_back(made.view(view.height_unit));
+void SparseCubeByHand::forget_box() {
+  view.box_low = unknown_box(-1);
+  view.box_high = unknown_box(1);
+}
+
+void SparseCubeByHand::refresh() {
   view.planes = planes;
-  view.tiles = tiles;
   octree.add_to(view);
 }
 

@@ -27,21 +27,6 @@ using Heights = std::function<double(std::uint32_t layer, double eta, double ome
                                     std::uint32_t layers, double eta0, double omega0,
                                     double spacing, const Heights& heights);
 
-/// One tile and what its view points to; depths are a function of the plane's parameters.
-struct TileByHand {
-  std::array<std::uint16_t, tile_sample_count> heights{};
-  std::vector<std::uint32_t> clips;
-  Tile tile;
-
-  /// The tile over the heights and clips of this object, bounds derived.
-  [[nodiscard]] Tile view(float height_unit) const;
-};
-
-/// A tile from (eta0, omega0) on plane `plane`, all cells valid, without slopes.
-[[nodiscard]] TileByHand tile_by_hand(std::uint32_t plane, double eta0, double omega0,
-                                      float spacing, float height_unit,
-                                      const std::function<double(double, double)>& depth);
-
 /// A box of full edge lengths `size` about the origin as a `full` asset: six faces, one map each
 /// with 17 x 17 samples, two layers, and a grid of one cell whose list has the entry layers.
 class BoxByHand {
@@ -63,25 +48,25 @@ class BoxByHand {
 };
 
 /// A cube of edge length `size` about the origin as a `sparse` asset: an octree of one cube, whose
-/// list has the twelve triangles. Six faces in the order of BoxByHand, one tile
-/// each, are what it shows of its surface.
-class TiledCubeByHand {
+/// list has the twelve triangles. Support planes on the six faces, in the order of BoxByHand.
+class SparseCubeByHand {
  public:
-  explicit TiledCubeByHand(double size, const Band& band = {0.002, 0.0005});
-  TiledCubeByHand(const TiledCubeByHand&) = delete;
-  TiledCubeByHand& operator=(const TiledCubeByHand&) = delete;
+  explicit SparseCubeByHand(double size, const Band& band = {0.002, 0.0005});
+  SparseCubeByHand(const SparseCubeByHand&) = delete;
+  SparseCubeByHand& operator=(const SparseCubeByHand&) = delete;
 
   std::vector<SupportPlane> planes;
-  std::vector<TileByHand> by_hand;
-  std::vector<Tile> tiles;
   OctreeData octree;
   AssetView view;
 
   /// Steps from the middle to a face on the lattice of the corners.
   static constexpr std::int32_t half_steps = 1 << 14;
 
-  /// Makes the octree's list that of another shape, which lies within the cube of the octree.
+  /// Makes the octree's list that of another shape, which lies within the cube of the octree, and
+  /// the mesh's box that of the shape.
   void replace_triangles(const Shape& shape);
+  /// Takes the mesh's box away, which then tells nothing of how far the surface is.
+  void forget_box();
   /// Points the view at the vectors again, after a test changed them.
   void refresh();
 };

@@ -20,7 +20,6 @@ namespace spm::test {
 struct TriangleByHand {
   std::array<std::array<std::int32_t, 3>, 3> corners{};  ///< steps of the lattice from its middle
   FeatureSides sides = 0;
-  bool bare = false;  ///< no tile shows it
   bool thin = false;
 };
 
@@ -62,14 +61,13 @@ inline std::uint32_t add_triangle(OctreeData& octree, const TriangleByHand& tria
   }
   append(octree.triangles, pack_three(corners, triangle.thin));
   if (number % 2 == 0) octree.sides.push_back(0);
-  octree.sides.back() |= pack_traits({.sides = triangle.sides, .bare = triangle.bare})
-                         << 16U * (number % 2);
+  octree.sides.back() |= pack_traits({.sides = triangle.sides}) << 16U * (number % 2);
   return number;
 }
 
-/// The word of a root; `unit` is its first, or of a `far` one its distance.
-[[nodiscard]] constexpr std::uint32_t root_word(OctreeKind kind, std::uint32_t unit) {
-  return static_cast<std::uint32_t>(kind) | unit << 4U;
+/// The word of a root; `word` is the place of its first, or of a `far` one its distance.
+[[nodiscard]] constexpr std::uint32_t root_word(OctreeKind kind, std::uint32_t word) {
+  return static_cast<std::uint32_t>(kind) | word << 4U;
 }
 
 /// The kinds of octants that are all of one kind, except those named.
@@ -83,7 +81,7 @@ inline std::uint32_t add_triangle(OctreeData& octree, const TriangleByHand& tria
   return kinds;
 }
 
-/// Adds a list of triangles in this order, and gives the two words of its unit. `bounds` are those
+/// Adds a list of triangles in this order, and gives the two words of its cube. `bounds` are those
 /// of its packets, where it has any; 0 where they are left out.
 inline std::array<std::uint32_t, 2> add_list(OctreeData& octree,
                                              const std::vector<std::uint32_t>& solids,
@@ -107,15 +105,15 @@ inline std::array<std::uint32_t, 2> add_list(OctreeData& octree,
 }
 
 /// The words of a chain of this many splits, each the last octant of the one before; the last
-/// octant of the last one is `end`. Its first unit is 0.
+/// octant of the last one is `end`. Its first word is at 0.
 [[nodiscard]] inline std::vector<std::uint32_t> chain_of_splits(int splits, OctreeKind rest,
                                                                 OctreeKind end) {
-  std::vector<std::uint32_t> units;
+  std::vector<std::uint32_t> words;
   for (int split = 1; split <= splits; ++split) {
-    units.push_back(static_cast<std::uint32_t>(split));
-    units.push_back(octant_kinds(rest, {{7, split == splits ? end : OctreeKind::split}}));
+    words.push_back(static_cast<std::uint32_t>(2 * split));
+    words.push_back(octant_kinds(rest, {{7, split == splits ? end : OctreeKind::split}}));
   }
-  return units;
+  return words;
 }
 
 }  // namespace spm::test

@@ -109,8 +109,7 @@ struct CubeOfSpace {
 /// everywhere, and slow. Corners are rounded to a lattice about the origin, `step` metres apart.
 /// The baker's own builder is not linked here.
 [[nodiscard]] inline OctreeData triangle_octree(const Shape& any, const CubeOfSpace& space,
-                                                double step, bool bare = false,
-                                                ListSide side = ListSide::surface) {
+                                                double step, ListSide side = ListSide::surface) {
   OctreeData octree;
   octree.origin = space.low;
   octree.edge = space.edge;
@@ -123,7 +122,6 @@ struct CubeOfSpace {
   for (std::uint32_t t = 0; t < shape.triangles.size(); ++t) {
     TriangleByHand triangle;
     triangle.sides = sides.of(t);
-    triangle.bare = bare;
     for (std::size_t k = 0; k < 9; ++k) {
       const double place = shape.vertices[shape.triangles[t][k / 3]][static_cast<int>(k % 3)];
       triangle.corners[k / 3][k % 3] = static_cast<std::int32_t>(std::lround(place / step));
@@ -133,7 +131,7 @@ struct CubeOfSpace {
   auto unit = add_list(octree, list, {}, side);
   // The space is around the shape.
   if (side == ListSide::surface) unit[1] |= list_word(0, 0, side, false, KnownPlace{});
-  octree.units.assign(unit.begin(), unit.end());
+  octree.words.assign(unit.begin(), unit.end());
   octree.root_words = {root_word(OctreeKind::list, 0)};
   return octree;
 }

@@ -83,10 +83,7 @@ function showKept({ asset, build }) {
       ['cubes with two polynomials', count(octree.pairs_of_polynomials)],
       ['cubes with triangles', count(octree.lists)], ['exact triangles', count(octree.triangles)]);
   }
-  if (build?.proof) {
-    lines.push(['cells that no polynomial was proven for', count(build.proof.refused_cells)],
-      ['answers from triangles', share(build.fallback.answers)]);
-  }
+  if (build?.fallback) lines.push(['answers from triangles', share(build.fallback.answers)]);
   fill(by('kept'), lines);
   const left = [...(build?.pruned ?? []).map((rule) => `Left out by the rule "${rule.rule}": `
     + `${count(rule.bytes)} bytes saved`),

@@ -192,7 +192,7 @@ export class Stage {
     this.renderer.setPixelRatio(Math.min(devicePixelRatio, 2) * (this.coarse ? COARSE : 1));
   }
 
-  /** Gives the surface of an asset: the bytes that to_bytes() of surface_mesh.hpp makes. */
+  /** Gives the surface of an asset: the bytes that to_bytes() of mesh_bytes.hpp makes. */
   setMesh(asset, bytes) {
     const [vertices, triangles] = new Uint32Array(bytes, 0, 2);
     const soup = new BufferGeometry();

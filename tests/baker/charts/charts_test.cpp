@@ -31,7 +31,7 @@ struct Charted {
       : surface(test::surface_of(shape)),
         planes(vertex_based_planes(convex_hull(shape.vertices), 20)),
         charts(surface, planes, reach),
-        heights(surface, planes, charts, spacing, 3) {}
+        heights(surface, planes, charts, {.coarsest = spacing, .curved = 0, .levels = 3}) {}
 
   [[nodiscard]] Vector3 normal(std::uint32_t triangle) const {
     const auto& t = surface.triangles[triangle];
@@ -139,6 +139,25 @@ TEST_CASE("Heights of a flat face are its depth below the plane, past its border
       }
     }
     CHECK(told > std::size_t{grid.columns} * grid.rows / 2);
+  }
+}
+
+TEST_CASE(
+    "A flat chart is tried at the coarsest level alone, others from where curved ones begin") {
+  const test::Shape box = test::box({0.02, 0.01, 0.03}), bent = rough(test::sphere(0.02, 3), 0.01);
+  for (const bool flat : {true, false}) {
+    const OuterSurface surface = test::surface_of(flat ? box : bent);
+    const std::vector<SupportPlane> planes =
+        vertex_based_planes(convex_hull(flat ? box.vertices : bent.vertices), 20);
+    const PlaneCharts charts(surface, planes, 3e-3);
+    const ChartHeights heights(surface, planes, charts,
+                               {.coarsest = 0.016, .curved = 4, .levels = 6, .flat_within = 1e-7});
+    for (std::uint32_t chart = 0; chart < charts.charts().size(); ++chart) {
+      if (charts.charts()[chart].triangles.size() < 2) continue;
+      CHECK(heights.first_level(chart) == (flat ? 0 : 4));
+      CHECK(heights.end_level(chart) == (flat ? 1 : 6));
+      if (flat) CHECK(heights.of(chart, 0).heights.size() <= 144);
+    }
   }
 }
 

@@ -18,6 +18,7 @@
 #include "baker/pipeline/bake.hpp"
 #include "baker/surface/outer_surface.hpp"
 #include "baker/verify/render.hpp"
+#include "baker/verify/verify_pictures.hpp"
 #include "common/query/query.hpp"
 #include "formats/asset/asset_writer.hpp"
 #include "tests/baker/mesh/mesh_support.hpp"
@@ -80,9 +81,9 @@ class Baked {
     asset.metadata.tolerance_met = true;
   }
 
-  /// Makes the largest polynomial near the surface tell too little, and gives the middle of its
+  /// Makes the largest distance map near the surface tell too little, and gives the middle of its
   /// cube.
-  [[nodiscard]] Vector3 spoil() { return test::spoil_largest_polynomial(asset, -spoilt_by).middle; }
+  [[nodiscard]] Vector3 spoil() { return test::spoil_largest_map(asset, -spoilt_by).middle; }
 
   [[nodiscard]] Said verify(std::vector<std::string> options) const {
     REQUIRE(write_asset(asset, file_).has_value());
@@ -121,8 +122,7 @@ VerifyReport faultless() {
 
 }  // namespace
 
-TEST_CASE(
-    "A good asset is judged as kept with exit code 0, a spoilt polynomial as missed with 10") {
+TEST_CASE("A good asset is judged as kept with exit code 0, a spoilt map as missed with 10") {
   Baked baked;
   const Said good = baked.verify({"--samples", "20000"});
   CHECK(good.code == 0);
@@ -246,9 +246,8 @@ TEST_CASE("A PLY of the worst places gives position, colour, error and finding o
                                    "0.5 0.25 2 255 140 0 75 2\n"));
 }
 
-TEST_CASE("The pictures of verify show the asset's surface with its tiles") {
+TEST_CASE("The pictures of verify show the mesh and the asset's surface") {
   const Baked baked(4);
-  REQUIRE_FALSE(baked.asset.tiles.empty());
   const Json json =
       baked.verify({"--samples", "100", "--json", "--png", baked.path("drawn")}).json();
   const std::vector<double> worst = json["worst"][0]["point"];
@@ -256,8 +255,9 @@ TEST_CASE("The pictures of verify show the asset's surface with its tiles") {
   const Vector3 normal = ExactSurface(mesh).closest({worst[0], worst[1], worst[2]}).normal;
   const Window whole = whole_of(mesh.box_min, mesh.box_max, normal);
   const AssetTables tables = tables_of(baked.asset);
-  const std::array<Picture, 2> both{render(Caster(outer_surface(mesh)), whole, 480),
-                                    render(caster_of(known_surface(tables.view())), whole, 480)};
+  const std::array<Picture, 2> both{
+      render(Caster(outer_surface(mesh)), whole, 480),
+      render(caster_of(contour_mesh(tables.view(), picture_cells)), whole, 480)};
   std::ifstream file(baked.path("drawn/surface.png"), std::ios::binary);
   const std::string drawn(std::istreambuf_iterator<char>(file), {});
   const Picture sheet = contact_sheet(both, 480);

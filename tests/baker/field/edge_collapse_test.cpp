@@ -183,14 +183,4 @@ TEST_CASE("Threads change nothing of what is left") {
   CHECK(with(1) == with(4));
 }
 
-TEST_CASE("A triangle that no tile shows stays so with what replaces it") {
-  const test::Shape box = gridded_box({0.01, 0.01, 0.01}, 16);
-  std::vector<LooseTriangle> triangles = loose(box);
-  for (LooseTriangle& triangle : triangles) triangle.bare = true;
-  const Caster caster(surface_of(box, triangles));
-  (void)collapse_edges(box.vertices, caster, rules, triangles);
-  CHECK(triangles.size() < box.triangles.size());
-  CHECK(std::all_of(triangles.begin(), triangles.end(), [](const auto& t) { return t.bare; }));
-}
-
 }  // namespace spm::baker::edge_collapse_test

@@ -43,12 +43,12 @@ struct Built {
   explicit Built(const test::Shape& shape, std::optional<double> bytes = {})
       : surface(test::surface_of(shape)),
         caster(surface),
-        lattice(round_to_lattice(surface, caster, {}, tolerance)),
+        lattice(round_to_lattice(surface, caster, tolerance)),
         rounded(lattice.surface),
         planes(vertex_based_planes(convex_hull(shape.vertices), 8)),
         map_planes(vertex_based_planes(convex_hull(shape.vertices), 20)),
         charts(lattice.surface, map_planes, 4e-3),
-        heights(lattice.surface, map_planes, charts, 1e-3, 2) {
+        heights(lattice.surface, map_planes, charts, {.coarsest = 1e-3, .curved = 0, .levels = 2}) {
     rules.band = {2e-3, 0.5e-3};
     rules.tolerance = tolerance;
     rules.smallest_edge = 5e-4;
@@ -295,7 +295,7 @@ ProofCounts prove_and_spoil(const Built& made, const Fit& fit) {
                        made.rules.direction};
   ProofCounts counts;
   visit_leaves(made.view.octree, [&](const Leaf& leaf) {
-    if (leaf.kind < OctreeKind::list || counts.spoilt >= 300) return;
+    if (!has_answers(leaf.kind) || counts.spoilt >= 300) return;
     const Cube cube{leaf.middle, leaf.half};
     const double distance = std::abs(made.rounded.closest(cube.middle).distance);
     std::vector<std::uint32_t> near;
@@ -377,7 +377,7 @@ TEST_CASE("Octrees that share their maps are those that would be built alone") {
                           maps, {});
     };
     const BuiltOctree shared = build(proven), alone = build(own);
-    CHECK(shared.data.units == alone.data.units);
+    CHECK(shared.data.words == alone.data.words);
     CHECK(shared.data.lists == alone.data.lists);
     CHECK(shared.data.triangles == alone.data.triangles);
     CHECK(shared.atlas.heights == alone.atlas.heights);
@@ -408,7 +408,7 @@ TEST_CASE("Along a crease two distance maps answer, the larger of them outside")
 TEST_CASE("The words are the same every time") {
   const test::Shape shape = rough(test::sphere(0.01, 3), 2e-3);
   const Built one(shape), again(shape);
-  CHECK(one.built.data.units == again.built.data.units);
+  CHECK(one.built.data.words == again.built.data.words);
   CHECK(one.built.data.lists == again.built.data.lists);
   CHECK(one.built.data.corners == again.built.data.corners);
   CHECK(one.built.data.triangles == again.built.data.triangles);

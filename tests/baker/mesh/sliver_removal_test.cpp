@@ -83,7 +83,7 @@ TEST_CASE("Slivers that lie on each other go, but one that nothing else joins st
   CHECK(is_closed(triangles));
   CHECK(triangles.size() == 14);
 
-  std::vector<LooseTriangle> alone{{{a, b, middle}, false, false}, {{b, a, middle}, false, false}};
+  std::vector<LooseTriangle> alone{{{a, b, middle}, false}, {{b, a, middle}, false}};
   (void)remove_slivers(box.vertices, 1e-6, alone);
   CHECK(alone.size() == 2);
 }

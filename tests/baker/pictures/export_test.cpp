@@ -3,80 +3,31 @@
 
 #include <catch2/catch.hpp>
 
-#include "baker/pictures/picture.hpp"
-#include "common/surface/support_plane_mapping.hpp"
-#include "formats/asset/asset.hpp"
-#include "tests/support/octree_by_hand.hpp"
-
-namespace export_test {
+namespace spm::baker::export_test {
 
 namespace {
 
-using namespace spm;
-using namespace spm::baker;
-
-/// A level tile of 8 mm, 2 mm below a plane at z = 10 mm, that lacks its last cell and half of its
-/// first; and two triangles, one of them a cap.
-Asset tile_asset() {
-  Asset asset;
-  asset.metadata.options = "{}";
-  asset.metadata.tile_spacing = 1e-3;
-  asset.metadata.height_unit = 1e-6;
-  asset.planes = {plane_with_normal({0, 0, 0.01}, Vector3::UnitZ())};
-  TileData tile;
-  tile.base = 0.001F;
-  tile.heights.fill(float_to_half(1000));
-  tile.valid = ~std::uint64_t{0} >> 1U;
-  tile.clipped = 1;
-  tile.clips = {pack_clip({100, 0, 0})};
-  asset.tiles = {tile};
-  // One triangle that no tile shows, and one that a tile shows.
-  test::set_lattice(asset.octree, Vector3::Zero(), 1e-6);
-  test::add_triangle(asset.octree,
-                     {.corners = {{{0, 0, 0}, {2000, 0, 0}, {0, 2000, 0}}}, .bare = true});
-  test::add_triangle(asset.octree, {.corners = {{{0, 0, 9}, {9, 0, 9}, {0, 9, 9}}}});
-  return asset;
+ContourMesh two_triangles() {
+  ContourMesh mesh;
+  mesh.vertices = {{0, 0, 0}, {0.5F, 0, 0}, {0, 0.25F, 0}, {0, 0, 1}};
+  mesh.triangles = {0, 1, 2, 0, 2, 3};
+  return mesh;
 }
 
 }  // namespace
 
-TEST_CASE("The surface of an asset is its tiles' valid cells up to their clips, and triangles") {
-  const Asset asset = tile_asset();
-  const KnownSurface surface = known_surface(tables_of(asset).view());
-  double tile_area = 0, triangle_area = 0;
-  for (const auto& triangle : surface.triangles) {
-    std::array<Vector3, 3> corners;
-    for (std::size_t i = 0; i < 3; ++i) {
-      const auto& [x, y, z] = surface.vertices[triangle[i]];
-      corners[i] = Vector3(x, y, z);
-    }
-    const Vector3 normal = (corners[1] - corners[0]).cross(corners[2] - corners[0]) / 2;
-    CHECK(normal.z() > 0);
-    if (corners[0].z() > 1e-3) {
-      CHECK(corners[0].z() == Approx(0.008));
-      tile_area += normal.norm();
-    } else {
-      triangle_area += normal.norm();
-    }
-  }
-  CHECK(tile_area == Approx(62.5e-6));
-  CHECK(triangle_area == Approx(2e-6));
-  CHECK(surface.vertices.size() == 79 + 4 + 3);  // clipped cells have corners of their own
+TEST_CASE("A PLY of text has a line for each vertex and for each triangle") {
+  CHECK_THAT(
+      to_ply(two_triangles(), true),
+      Catch::Contains("element vertex 4\n") && Catch::Contains("element face 2\n") &&
+          Catch::EndsWith("end_header\n0 0 0\n0.5 0 0\n0 0.25 0\n0 0 1\n3 0 1 2\n3 0 2 3\n"));
 }
 
-TEST_CASE("The picture of a plane shows its tiles' valid cells up to their clips") {
-  const Asset asset = tile_asset();
-  const Picture picture = plane_picture(tables_of(asset).view(), 0, 80);
-  REQUIRE(picture.width == 80);
-  REQUIRE(picture.height == 80);
-  const auto shown = [&picture](std::uint32_t x, std::uint32_t y) {
-    return picture.pixels[3 * (y * picture.width + x)] != 40;
-  };
-  CHECK(shown(40, 40));
-  CHECK(!shown(75, 5));  // the last cell
-  CHECK(shown(2, 75));   // the first, on the valid side of its line
-  CHECK(!shown(8, 75));  // and beyond it
-  CHECK(shown(12, 75));
+TEST_CASE("A binary PLY has 12 bytes for each vertex and 13 for each triangle") {
+  const std::string ply = to_ply(two_triangles(), false);
+  const std::size_t head = ply.find("end_header\n") + 11;
+  CHECK(ply.size() == head + 4 * 12 + 2 * 13);
+  CHECK(ply[head + 4 * 12] == 3);
 }
 
-}  // namespace export_test
+}  // namespace spm::baker::export_test

@@ -11,21 +11,34 @@
 
 namespace spm::test {
 
-/// Moves the answers of the largest polynomial near the surface of a `sparse` asset by this many
-/// metres, and gives its leaf.
-[[nodiscard]] inline Leaf spoil_largest_polynomial(Asset& asset, double by) {
+/// Moves the answers of the largest leaf with one distance map near the surface of a `sparse` asset
+/// by about this many metres, and gives the leaf: it gets a map of its own.
+[[nodiscard]] inline Leaf spoil_largest_map(Asset& asset, double by) {
   const AssetTables tables = tables_of(asset);
   Leaf largest;
   visit_leaves(tables.view().octree, [&](const Leaf& leaf) {
+    const std::uint32_t* words = words_at(tables.view().octree, leaf);
+    if (leaf.kind != OctreeKind::map || NamedMaps(words[0]).two()) return;
     const double distance = query_point(tables.view(), leaf.middle).distance;
-    const bool near = std::abs(distance) < leaf.half;
-    if (leaf.kind == OctreeKind::polynomial && near && leaf.half > largest.half) largest = leaf;
+    if (std::abs(distance) < leaf.half && leaf.half > largest.half) largest = leaf;
   });
   REQUIRE(largest.half > 0);
-  // The value is the lower half of a polynomial's first word.
-  std::uint32_t& word = asset.octree.units[2 * std::size_t{largest.unit}];
-  const auto steps = static_cast<std::uint32_t>(std::lround(by / asset.octree.value_unit));
-  word = (word & 0xFFFF0000U) | ((word + steps) & 0xFFFFU);
+  std::uint32_t& word = asset.octree.words[largest.word];
+  AtlasData& atlas = asset.atlas;
+  ChartData chart = atlas.charts[NamedMaps(word).first];
+  std::vector<float> heights(std::size_t{chart.rows} * atlas.width, 0);
+  for (std::uint32_t row = 0; row < chart.rows; ++row) {
+    for (std::uint32_t column = 0; column < chart.columns; ++column) {
+      heights[std::size_t{row} * atlas.width + column] =
+          atlas.heights[chart.first + std::size_t{row} * atlas.width + column] +
+          static_cast<float>(by);
+    }
+  }
+  chart.first = static_cast<std::uint32_t>(atlas.heights.size());
+  heights.resize(heights.size() + atlas.width, 0);  // one more is read behind the last
+  atlas.heights.insert(atlas.heights.end(), heights.begin(), heights.end());
+  word = word_of_map(static_cast<std::uint32_t>(atlas.charts.size()));
+  atlas.charts.push_back(chart);
   return largest;
 }
 

@@ -31,7 +31,7 @@ Asset exact_asset(const test::Shape& shape, double tolerance, ListSide side = Li
   asset.metadata.band = {0.002, 0.0005};
   asset.metadata.tolerance = tolerance;
   asset.octree = test::triangle_octree(shape, {.low = Vector3::Constant(-0.1), .edge = 0.2},
-                                       lattice_step, false, side);
+                                       lattice_step, side);
   return asset;
 }
 
@@ -61,9 +61,9 @@ Asset sheet_asset(const test::Shape& shape, double tolerance) {
     word = sheet | sheet << 16U;
   }
   // What was listed as of solids is of sheets.
-  for (std::size_t unit = 1; unit < asset.octree.units.size(); unit += 2) {
-    const std::uint32_t listed = asset.octree.units[unit] & max_listed_of_kind;
-    asset.octree.units[unit] = list_word(0, listed, ListSide::surface, false);
+  for (std::size_t word = 1; word < asset.octree.words.size(); word += 2) {
+    const std::uint32_t listed = asset.octree.words[word] & max_listed_of_kind;
+    asset.octree.words[word] = list_word(0, listed, ListSide::surface, false);
   }
   return asset;
 }

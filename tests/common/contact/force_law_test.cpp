@@ -87,7 +87,7 @@ TEST_CASE("A ball whose surface just meets the object does not touch it yet") {
 
 TEST_CASE(
     "Where normals of a smoothed field differ, it is as much softer as their mean is shorter") {
-  const test::TiledCubeByHand cube(0.04);
+  const test::SparseCubeByHand cube(0.04);
   const ForceSettings settings{Method::spm, PaperRule::closest_plane, 1000, 0};
   const RuntimeSmoothing smoothing{0.0003, 32};
   // 0.2 mm below two faces, near the edge between them.

@@ -26,14 +26,14 @@ constexpr RuntimeSmoothing sharp{};
 
 /// The upper half of a cube whose top is of two patches that do not meet: beyond x = 0 it lies 60
 /// um lower, within the tolerance.
-class BrokenCube : public test::TiledCubeByHand {
+class BrokenCube : public test::SparseCubeByHand {
  public:
-  BrokenCube() : TiledCubeByHand(size) {
+  BrokenCube() : SparseCubeByHand(size) {
     constexpr std::uint32_t top = 4;
     REQUIRE(planes[top].n == Vector3::UnitZ());
     octree.value_unit = 1e-6;
     octree.root_words = {test::root_word(OctreeKind::split, 0)};
-    octree.units = {1, test::octant_kinds(OctreeKind::polynomial)};
+    octree.words = {2, test::octant_kinds(OctreeKind::polynomial)};
     const double middle = octree.edge / 4;  // of an upper octant, above that of the cube
     for (std::uint32_t octant = 0; octant < 8; ++octant) {
       LocalMap map;
@@ -43,7 +43,7 @@ class BrokenCube : public test::TiledCubeByHand {
       map.plane = top;
       PackedLocalMap packed;
       REQUIRE(pack_local_map(map, octree.value_unit / middle, packed));
-      octree.units.insert(octree.units.end(), packed.words.begin(), packed.words.end());
+      octree.words.insert(octree.words.end(), packed.words.begin(), packed.words.end());
     }
     view.tolerance = 1e-4;
     refresh();
@@ -98,7 +98,7 @@ TEST_CASE("The lattice's force is minus the gradient of k depth^2 / 2 by its own
 }
 
 TEST_CASE("About an edge the direction turns with the field, and does not jump") {
-  const test::TiledCubeByHand cube(size);
+  const test::SparseCubeByHand cube(size);
   PotentialLattice lattice(5e-5);
   ForceSettings ball = spring;
   ball.probe_radius = 4e-4;
@@ -123,7 +123,7 @@ TEST_CASE("About an edge the direction turns with the field, and does not jump")
 }
 
 TEST_CASE("On a flat side the lattice's force is the field's, for a point and a ball") {
-  const test::TiledCubeByHand cube(size);
+  const test::SparseCubeByHand cube(size);
   PotentialLattice lattice(spacing);
   for (const double radius : {0.0, 2e-4}) {
     ForceSettings settings = spring;
@@ -155,7 +155,7 @@ TEST_CASE("The force depends on the place alone, whatever was asked before") {
 }
 
 TEST_CASE("What a lattice remembers of an asset it forgets when told to") {
-  const test::TiledCubeByHand large(size), small(size - 4e-4);
+  const test::SparseCubeByHand large(size), small(size - 4e-4);
   PotentialLattice lattice(spacing);
   const Vector3 point(0.002, 0.003, half - 5e-4);
   CHECK(lattice.force(large.view, spring, sharp, point)->depth == Approx(5e-4));
@@ -164,7 +164,7 @@ TEST_CASE("What a lattice remembers of an asset it forgets when told to") {
 }
 
 TEST_CASE("A lattice pushes nowhere outside, and tells nothing where the band ends") {
-  const test::TiledCubeByHand cube(size);  // the band is from 2 mm deep to 0.5 mm outside
+  const test::SparseCubeByHand cube(size);  // the band is from 2 mm deep to 0.5 mm outside
   PotentialLattice lattice(spacing);
   for (int at = 0; at < 40; ++at) {
     const auto found =
@@ -178,7 +178,7 @@ TEST_CASE("A lattice pushes nowhere outside, and tells nothing where the band en
 }
 
 TEST_CASE("What is no place, or too far for a lattice, gets no answer") {
-  const test::TiledCubeByHand cube(size);
+  const test::SparseCubeByHand cube(size);
   PotentialLattice lattice(spacing);
   for (const double bad :
        {std::numeric_limits<double>::quiet_NaN(), std::numeric_limits<double>::infinity(),

@@ -257,7 +257,7 @@ TEST_CASE("A proxy that is behind catches up by no more in a tick than it may") 
 }
 
 TEST_CASE("A proxy is lifted out of a field that tells half of each depth, in up to eight steps") {
-  test::TiledCubeByHand cube(0.04);
+  test::SparseCubeByHand cube(0.04);
   LocalMap map;
   map.slope = {0, 0, -0.5};
   map.plane = 4;  // +z
@@ -265,7 +265,7 @@ TEST_CASE("A proxy is lifted out of a field that tells half of each depth, in up
   cube.octree.value_unit = 1e-6;
   REQUIRE(pack_local_map(map, 2 * cube.octree.value_unit / cube.octree.edge, packed));
   cube.octree.root_words = {test::root_word(OctreeKind::polynomial, 0)};
-  cube.octree.units = {packed.words.begin(), packed.words.end()};
+  cube.octree.words = {packed.words.begin(), packed.words.end()};
   cube.refresh();
   REQUIRE(query_point(cube.view, {0, 0, -1e-4}).distance == Approx(-5e-5));
   // Each lift halves it: from 0.1 mm six of them leave less than the rounding of a query.

@@ -15,12 +15,12 @@ namespace {
 
 using Eigen::Isometry3d;
 using test::RandomTwister;
-using test::TiledCubeByHand;
+using test::SparseCubeByHand;
 
 constexpr double size = 0.04;
 
 SupportHull cube_hull() {
-  const TiledCubeByHand cube(size);
+  const SparseCubeByHand cube(size);
   return support_hull(*sample_surface(cube.view, 0.001), 0.0002, 64);
 }
 
@@ -67,7 +67,7 @@ TEST_CASE(
 }
 
 TEST_CASE("A cube's hull needs few of its samples and holds them all within the tolerance") {
-  const TiledCubeByHand cube(size);
+  const SparseCubeByHand cube(size);
   const SurfaceSamples samples = *sample_surface(cube.view, 0.001);
   const SupportHull hull = cube_hull();
   CHECK(hull.points.size() < samples.levels.back().count / 20);

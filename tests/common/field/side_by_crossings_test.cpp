@@ -28,9 +28,9 @@ class Listed {
             .triangles = octree_.triangles,
             .sides = octree_.sides};
     DistanceOctree view;
-    view.units = octree_.units;
+    view.words = octree_.words;
     view.lists = octree_.lists;
-    list = list_of(view, octree_.units.data());
+    list = list_of(view, octree_.words.data());
   }
   Listed(const Listed&) = delete;
   Listed& operator=(const Listed&) = delete;

@@ -81,7 +81,7 @@ TEST_CASE("Outside there is no contact and no force, although eq. 3 is not zero 
 TEST_CASE("A nearest plane that looks at a deeper surface underestimates the depth, visibly") {
   BoxByHand box(size);
   // The map of +z sees a floor 10 mm down: a box with a wide pit.
-  for (std::size_t i = 0; i < 17U * 17U; ++i) box.by_hand[4].samples[i] = 0.01F;
+  for (std::size_t i = 0; i < std::size_t{17} * 17; ++i) box.by_hand[4].samples[i] = 0.01F;
   box.refresh();
   const Vector3 wall_side(0.0195, 0, 0.0299);
   const PaperContact found = paper_contact(box.view, wall_side, PaperRule::closest_plane);
@@ -91,7 +91,7 @@ TEST_CASE("A nearest plane that looks at a deeper surface underestimates the dep
 
 TEST_CASE("The reading closest-surface takes the plane whose surface is nearest") {
   BoxByHand box(size);
-  for (std::size_t i = 0; i < 17U * 17U; ++i) box.by_hand[4].samples[i] = 0.01F;
+  for (std::size_t i = 0; i < std::size_t{17} * 17; ++i) box.by_hand[4].samples[i] = 0.01F;
   box.refresh();
   const PaperContact found =
       paper_contact(box.view, {0.0195, 0, 0.0295}, PaperRule::closest_surface);
@@ -106,7 +106,7 @@ TEST_CASE("The reading all-planes is an AND: one plane that sees nothing there f
   const PaperContact before = paper_contact(box.view, point, PaperRule::all_planes);
   CHECK(before.contact);
   CHECK(before.depth == Approx(0.002));
-  for (std::size_t i = 0; i < 17U * 17U; ++i) box.by_hand[1].samples[i] = 0.039F;
+  for (std::size_t i = 0; i < std::size_t{17} * 17; ++i) box.by_hand[1].samples[i] = 0.039F;
   box.refresh();
   CHECK_FALSE(paper_contact(box.view, point, PaperRule::all_planes).contact);
 }

@@ -11,10 +11,10 @@
 
 using namespace spm;
 using spm::test::RandomTwister;
-using spm::test::TiledCubeByHand;
+using spm::test::SparseCubeByHand;
 
 TEST_CASE("The distance to the band is that to the nearest of all cubes that are not far") {
-  const TiledCubeByHand cube(0.04);
+  const SparseCubeByHand cube(0.04);
   const DistanceOctree& octree = cube.view.octree;
   RandomTwister random(5);
   constexpr double most = 0.01;

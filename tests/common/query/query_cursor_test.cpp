@@ -14,7 +14,7 @@
 namespace spm::query_cursor_test {
 namespace {
 
-using test::TiledCubeByHand;
+using test::SparseCubeByHand;
 
 constexpr double size = 0.04;
 
@@ -25,7 +25,7 @@ bool same_bits(const Answer& a, const Answer& b) {
 }
 
 TEST_CASE("A cursor that follows a walk answers as single queries do, bit by bit") {
-  const TiledCubeByHand cube(size);
+  const SparseCubeByHand cube(size);
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     Random random(seed);
     QueryCursor cursor;
@@ -42,7 +42,7 @@ TEST_CASE("A cursor that follows a walk answers as single queries do, bit by bit
 }
 
 TEST_CASE("Distances without normals, and normals once they are asked for, are those of queries") {
-  const TiledCubeByHand cube(size);
+  const SparseCubeByHand cube(size);
   Random random(3);
   QueryCursor cursor;
   cursor.begin(&cube.view);
@@ -65,7 +65,7 @@ TEST_CASE("Distances without normals, and normals once they are asked for, are t
 }
 
 TEST_CASE("A cursor tells how far the surface is at the least as single places do") {
-  TiledCubeByHand cube(size);
+  SparseCubeByHand cube(size);
   cube.octree.origin = Vector3::Constant(-size);
   cube.octree.edge = 2 * size;
   cube.replace_triangles(test::box(Vector3::Constant(size)));
@@ -87,7 +87,7 @@ TEST_CASE("A cursor tells how far the surface is at the least as single places d
 
 TEST_CASE(
     "Seen from outside its box a surface is told to be no nearer than the field's error allows") {
-  TiledCubeByHand cube(size);
+  SparseCubeByHand cube(size);
   cube.octree.value_unit = 1e-6;
   const double cube_half = cube.octree.edge / 2;
   LocalMap map;
@@ -96,7 +96,7 @@ TEST_CASE(
   PackedLocalMap packed;
   REQUIRE(pack_local_map(map, cube.octree.value_unit / cube_half, packed));
   cube.octree.root_words = {test::root_word(OctreeKind::polynomial, 0)};
-  cube.octree.units = {packed.words.begin(), packed.words.end()};
+  cube.octree.words = {packed.words.begin(), packed.words.end()};
   cube.refresh();
   cube.view.tolerance = 1e-4;
   cube.view.box_low = Vector3::Constant(-size / 2);
@@ -108,7 +108,7 @@ TEST_CASE(
 }
 
 TEST_CASE("The quadric about a point is the field as far as it is told to reach") {
-  TiledCubeByHand cube(size);
+  SparseCubeByHand cube(size);
   cube.octree.value_unit = 1e-6;
   const double cube_half = cube.octree.edge / 2;
   LocalMap map;
@@ -119,7 +119,7 @@ TEST_CASE("The quadric about a point is the field as far as it is told to reach"
   PackedLocalMap packed;
   REQUIRE(pack_local_map(map, cube.octree.value_unit / cube_half, packed));
   cube.octree.root_words = {test::root_word(OctreeKind::polynomial, 0)};
-  cube.octree.units = {packed.words.begin(), packed.words.end()};
+  cube.octree.words = {packed.words.begin(), packed.words.end()};
   cube.refresh();
   cube.view.band = {1, 1};
   QueryCursor cursor;
@@ -144,7 +144,7 @@ TEST_CASE("The quadric about a point is the field as far as it is told to reach"
 }
 
 TEST_CASE("A cursor tells by how much the field bends where one polynomial is all of it") {
-  TiledCubeByHand cube(size);
+  SparseCubeByHand cube(size);
   cube.octree.value_unit = 1e-6;
   LocalMap map;
   map.slope = {0, 0, -1};
@@ -154,9 +154,10 @@ TEST_CASE("A cursor tells by how much the field bends where one polynomial is al
   REQUIRE(pack_local_map(map, 2 * cube.octree.value_unit / cube.octree.edge, packed));
   const auto of_kind = [&](OctreeKind kind, std::size_t maps) {
     cube.octree.root_words = {test::root_word(kind, 0)};
-    cube.octree.units.clear();
+    cube.octree.words.clear();
+    if (kind != OctreeKind::polynomial) cube.octree.words = {1};
     for (std::size_t i = 0; i < maps; ++i) {
-      cube.octree.units.insert(cube.octree.units.end(), packed.words.begin(), packed.words.end());
+      cube.octree.words.insert(cube.octree.words.end(), packed.words.begin(), packed.words.end());
     }
     cube.refresh();
     cube.view.band = {1, 1};

@@ -14,7 +14,7 @@ namespace {
 
 using Eigen::Isometry3d;
 using test::RandomTwister;
-using test::TiledCubeByHand;
+using test::SparseCubeByHand;
 
 constexpr GripSettings rough{0.2, 0.15, 1};
 constexpr double force = 0.01, spring = 1000;  // N, N/m: of a sample
@@ -84,8 +84,8 @@ TEST_CASE("What slid sticks again once it pulls with less than what slides, as w
 // More samples touch than are remembered.
 TEST_CASE("A tool that lies on a rough object is not looked at again while nothing changes") {
   constexpr double size = 0.04, tool_size = 0.012;
-  const TiledCubeByHand cube(size);
-  const SurfaceSamples samples = *sample_surface(TiledCubeByHand(tool_size).view, 0.0003);
+  const SparseCubeByHand cube(size);
+  const SurfaceSamples samples = *sample_surface(SparseCubeByHand(tool_size).view, 0.0003);
   ObjectContactSettings settings;
   settings.stiffness = 5e10;
   ObjectContact contact(samples, settings);

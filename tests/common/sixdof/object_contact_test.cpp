@@ -14,7 +14,7 @@ namespace {
 
 using Eigen::Isometry3d;
 using test::RandomTwister;
-using test::TiledCubeByHand;
+using test::SparseCubeByHand;
 
 constexpr double field_size = 0.04;
 constexpr double tool_size = 0.012;
@@ -23,7 +23,7 @@ constexpr double stiffness = 1e9;
 Vector3 to_vector(const std::array<float, 3>& v) { return {v[0], v[1], v[2]}; }
 
 SurfaceSamples tool_samples(double spacing) {
-  const TiledCubeByHand tool(tool_size);
+  const SparseCubeByHand tool(tool_size);
   return *sample_surface(tool.view, spacing);
 }
 
@@ -65,7 +65,7 @@ Isometry3d turned(const Isometry3d& pose, const Vector3& by) {
 }
 
 TEST_CASE("A cube pressed on a cube is pushed back by stiffness, area and depth") {
-  const TiledCubeByHand field(field_size);
+  const SparseCubeByHand field(field_size);
   const SurfaceSamples tool = tool_samples(0.0002);
   ObjectContact contact(tool, settings());
   const std::array objects{ContactObject{&field.view, Isometry3d::Identity()}};
@@ -85,7 +85,7 @@ TEST_CASE("A cube pressed on a cube is pushed back by stiffness, area and depth"
 }
 
 TEST_CASE("Clear of all objects there is no force, and hardly a sample is asked") {
-  const TiledCubeByHand field(field_size);
+  const SparseCubeByHand field(field_size);
   const SurfaceSamples tool = tool_samples(0.0002);
   ObjectContact contact(tool, settings());
   const std::array objects{ContactObject{&field.view, Isometry3d::Identity()}};
@@ -97,7 +97,7 @@ TEST_CASE("Clear of all objects there is no force, and hardly a sample is asked"
 }
 
 TEST_CASE("A tool wholly inside an object, deeper than the band, is pushed by all its surface") {
-  const TiledCubeByHand field(field_size);
+  const SparseCubeByHand field(field_size);
   const SurfaceSamples tool = tool_samples(0.0002);
   ObjectContact contact(tool, settings());
   const std::array objects{ContactObject{&field.view, Isometry3d::Identity()}};
@@ -111,7 +111,7 @@ TEST_CASE("A tool wholly inside an object, deeper than the band, is pushed by al
 }
 
 TEST_CASE("Culling and memory of the last tick change no force: objects and tool move at random") {
-  const TiledCubeByHand field(field_size), small(0.02);
+  const SparseCubeByHand field(field_size), small(0.02);
   const SurfaceSamples tool = tool_samples(0.0007);
   for (std::uint64_t seed = 1; seed <= 5; ++seed) {
     RandomTwister random(seed);
@@ -141,7 +141,7 @@ TEST_CASE("Culling and memory of the last tick change no force: objects and tool
 }
 
 TEST_CASE("Looks within the way that was told look at listed samples alone, and change no force") {
-  const TiledCubeByHand field(field_size), small(0.02);
+  const SparseCubeByHand field(field_size), small(0.02);
   const SurfaceSamples tool = tool_samples(0.0003);
   ObjectContact contact(tool, settings(2)), listing(tool, settings(2));
   std::array objects{ContactObject{&field.view, Isometry3d::Identity()},
@@ -170,7 +170,7 @@ TEST_CASE("Looks within the way that was told look at listed samples alone, and 
 }
 
 TEST_CASE("The wrench is the gradient of the energy, so a closed path gains nothing") {
-  const TiledCubeByHand field(field_size);
+  const SparseCubeByHand field(field_size);
   const SurfaceSamples tool = tool_samples(0.0004);
   ObjectContact contact(tool, settings());
   const std::array objects{
@@ -196,7 +196,7 @@ TEST_CASE("The wrench is the gradient of the energy, so a closed path gains noth
 }
 
 TEST_CASE("The two levels above the finest give its force within a tenth in the mean") {
-  const TiledCubeByHand field(field_size);
+  const SparseCubeByHand field(field_size);
   const SurfaceSamples tool = tool_samples(0.00025);
   ObjectContact contact(tool, settings());
   const std::array objects{ContactObject{&field.view, Isometry3d::Identity()}};
@@ -226,7 +226,7 @@ std::int64_t counted = 0;
 std::int64_t count_readings() noexcept { return counted++; }
 
 TEST_CASE("When time is over a tick ends with the levels it came to, and says so") {
-  const TiledCubeByHand field(field_size);
+  const SparseCubeByHand field(field_size);
   const SurfaceSamples tool = tool_samples(0.0001);
   ObjectContact contact(tool, settings());
   const std::array objects{ContactObject{&field.view, Isometry3d::Identity()}};
@@ -249,7 +249,7 @@ TEST_CASE("When time is over a tick ends with the levels it came to, and says so
 }
 
 TEST_CASE("More contacts than there is room for degrade the answer and do not spoil it") {
-  const TiledCubeByHand field(field_size);
+  const SparseCubeByHand field(field_size);
   const SurfaceSamples tool = tool_samples(0.0001);
   ObjectContactSettings narrow = settings();
   narrow.max_active = 2000;
@@ -262,7 +262,7 @@ TEST_CASE("More contacts than there is room for degrade the answer and do not sp
 }
 
 TEST_CASE("A field that was replaced is asked anew") {
-  const TiledCubeByHand field(field_size), larger(0.05);
+  const SparseCubeByHand field(field_size), larger(0.05);
   const SurfaceSamples tool = tool_samples(0.0004);
   ObjectContact contact(tool, settings());
   std::array objects{ContactObject{&field.view, Isometry3d::Identity()}};
@@ -275,7 +275,7 @@ TEST_CASE("A field that was replaced is asked anew") {
 }
 
 TEST_CASE("Poses that are no numbers and objects beyond the room give no contact") {
-  const TiledCubeByHand field(field_size);
+  const SparseCubeByHand field(field_size);
   const SurfaceSamples tool = tool_samples(0.001);
   ObjectContact contact(tool, settings());
   std::array objects{ContactObject{&field.view, Isometry3d::Identity()},
@@ -289,7 +289,7 @@ TEST_CASE("Poses that are no numbers and objects beyond the room give no contact
 }
 
 TEST_CASE("Poses that scale, such as those of quaternions that are not unit, give no contact") {
-  const TiledCubeByHand field(field_size);
+  const SparseCubeByHand field(field_size);
   const SurfaceSamples tool = tool_samples(0.001);
   ObjectContact contact(tool, settings());
   std::array objects{ContactObject{&field.view, Isometry3d::Identity()}};
@@ -304,7 +304,7 @@ TEST_CASE("Poses that scale, such as those of quaternions that are not unit, giv
 }
 
 TEST_CASE("Friction that is looked at alone holds the tool as a whole look tells it") {
-  const TiledCubeByHand cube(0.01);
+  const SparseCubeByHand cube(0.01);
   std::array<ContactObject, 2> objects;
   for (ContactObject& object : objects) {
     object.field = &cube.view;
@@ -314,7 +314,7 @@ TEST_CASE("Friction that is looked at alone holds the tool as a whole look tells
   objects[1].pose = Isometry3d(Eigen::Translation3d(0.008, 0, 0));
   ObjectContactSettings settings;
   settings.objects = 2;
-  const SurfaceSamples samples = *sample_surface(TiledCubeByHand(0.006).view, 0.0005);
+  const SurfaceSamples samples = *sample_surface(SparseCubeByHand(0.006).view, 0.0005);
   ObjectContact contact(samples, settings), whole(samples, settings);
   for (int tick = 0; tick < 60; ++tick) {
     // It slides, turns and lifts off for a while.
@@ -344,7 +344,7 @@ TEST_CASE("Friction that is looked at alone holds the tool as a whole look tells
 }
 
 TEST_CASE("Two objects in one place push a tool twice as one, and a mirrored one as its picture") {
-  const TiledCubeByHand field(field_size);
+  const SparseCubeByHand field(field_size);
   const SurfaceSamples tool = tool_samples(0.0005);
   ObjectContact contact(tool, settings(2)), single(tool, settings()), mirrored(tool, settings());
   const ContactObject object{&field.view, at(0.003, 0, 0)};

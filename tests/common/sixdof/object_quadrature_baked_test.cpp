@@ -28,7 +28,7 @@ TEST_CASE("Coarse patches count how the field bends over them") {
   options.tolerance = 20e-6;
   const BakeResult baked = bake(test::mesh_of(test::sphere(ball_radius, 5)), options);
   const AssetTables tables = tables_of(baked.asset);
-  const test::TiledCubeByHand cube(face_size);
+  const test::SparseCubeByHand cube(face_size);
   const SurfaceSamples samples = *sample_surface(cube.view, 0.0002);
   const std::array objects{ContactObject{&tables.view(), Isometry3d::Identity()}};
   ObjectContactSettings settings;

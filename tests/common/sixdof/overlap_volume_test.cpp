@@ -15,12 +15,12 @@ namespace spm::overlap_volume_test {
 namespace {
 
 using Eigen::Isometry3d;
-using test::TiledCubeByHand;
+using test::SparseCubeByHand;
 
 constexpr double size = 0.04, small_size = 0.02;
 
 struct Sampled {
-  explicit Sampled(const TiledCubeByHand& cube, double spacing)
+  explicit Sampled(const SparseCubeByHand& cube, double spacing)
       : samples(*sample_surface(cube.view, spacing)), object{&cube.view, &samples} {}
   Sampled(const Sampled&) = delete;
   Sampled& operator=(const Sampled&) = delete;
@@ -30,18 +30,8 @@ struct Sampled {
 
 Isometry3d at(double x, double y, double z) { return Isometry3d(Eigen::Translation3d(x, y, z)); }
 
-/// Adds every tile a second time, offset by the tolerance.
-void double_tiles(TiledCubeByHand& cube) {
-  const std::vector<test::TileByHand> once = cube.by_hand;
-  for (test::TileByHand tile : once) {
-    tile.tile.base += cube.view.tolerance;
-    cube.by_hand.push_back(tile);
-  }
-  cube.refresh();
-}
-
 TEST_CASE("Two cubes share the box that lies in both, its middle and its faces") {
-  const TiledCubeByHand large(size), small(small_size);
+  const SparseCubeByHand large(size), small(small_size);
   const Sampled one(large, 0.0004), other(small, 0.0004);
   constexpr double depth = 0.003;
   const OverlapVolume overlap =
@@ -57,7 +47,7 @@ TEST_CASE("Two cubes share the box that lies in both, its middle and its faces")
 }
 
 TEST_CASE("A cube within another is wholly shared and pushed nowhere") {
-  const TiledCubeByHand large(size), small(small_size);
+  const SparseCubeByHand large(size), small(small_size);
   const Sampled one(large, 0.002), other(small, 0.0007);
   for (const bool turned : {false, true}) {
     const OverlapVolume overlap =
@@ -72,7 +62,7 @@ TEST_CASE("A cube within another is wholly shared and pushed nowhere") {
 }
 
 TEST_CASE("Cubes that are apart share nothing, and few samples are asked") {
-  const TiledCubeByHand large(size), small(small_size);
+  const SparseCubeByHand large(size), small(small_size);
   const Sampled one(large, 0.0004), other(small, 0.0004);
   const OverlapVolume overlap = overlap_volume(one.object, other.object, at(0.035, 0, 0));
   CHECK(overlap.volume == 0);
@@ -80,22 +70,8 @@ TEST_CASE("Cubes that are apart share nothing, and few samples are asked") {
   CHECK(overlap.tested < 3000);
 }
 
-TEST_CASE("The volume does not change when the tiles of both objects double") {
-  TiledCubeByHand large(size), small(small_size);
-  const Isometry3d pose = at(0.004, 0.002, (size + small_size) / 2 - 0.003) *
-                          Eigen::AngleAxisd(0.3, Vector3(1, 2, 3).normalized());
-  const auto volume = [&] {
-    const Sampled one(large, 0.0005), other(small, 0.0005);
-    return overlap_volume(one.object, other.object, pose).volume;
-  };
-  const double once = volume();
-  double_tiles(large);
-  double_tiles(small);
-  CHECK(volume() == Approx(once).epsilon(2e-3));
-}
-
 TEST_CASE("The push and the turn are the slopes of the volume") {
-  const TiledCubeByHand large(size), small(small_size);
+  const SparseCubeByHand large(size), small(small_size);
   const Sampled one(large, 0.0004), other(small, 0.0004);
   const Isometry3d pose = at(0.006, -0.003, (size + small_size) / 2 - 0.001) *
                           Eigen::AngleAxisd(0.5, Vector3(3, -1, 0.5).normalized());
@@ -158,7 +134,7 @@ class TiltedPlane {
 TEST_CASE(
     "The cosine of eq. 15 loses a quarter of a volume at 30 degrees and half at 45, and this "
     "none") {
-  const TiledCubeByHand large(size), small(small_size);
+  const SparseCubeByHand large(size), small(small_size);
   const Sampled one(large, 0.0005), other(small, 0.0005);
   const test::BoxByHand ground(Vector3::Constant(size));
   constexpr double depth = 0.003;
@@ -176,7 +152,7 @@ TEST_CASE(
 }
 
 TEST_CASE("Missing objects and poses that are no numbers share nothing") {
-  const TiledCubeByHand cube(size);
+  const SparseCubeByHand cube(size);
   const Sampled one(cube, 0.002);
   CHECK(overlap_volume(one.object, {}, at(0, 0, 0)).volume == 0);
   CHECK(overlap_volume({}, one.object, at(0, 0, 0)).volume == 0);

@@ -36,17 +36,6 @@ TEST_CASE("Samples of a baked ball have its area, and lie on it with its normals
   }
 }
 
-TEST_CASE("An asset whose tiles were left out gives no samples of half its surface") {
-  const BakeResult baked = bake(test::mesh_of(test::sphere(0.029, 5)), {});
-  AssetTables tables = tables_of(baked.asset);
-  REQUIRE(sample_surface(tables.view(), 0.004).has_value());
-  tables.drop_tiles();
-  const auto made = sample_surface(tables.view(), 0.004);
-  REQUIRE_FALSE(made.has_value());
-  CHECK(made.error().code == ExitCode::usage);
-  CHECK(made.error().message.find("tiles") != std::string::npos);
-}
-
 TEST_CASE("Samples of two balls that overlap have the area of their union") {
   constexpr double radius = 0.02, apart = 0.024;
   const test::Shape both = test::merged(test::moved(test::sphere(radius, 5), {-apart / 2, 0, 0}),

@@ -7,14 +7,13 @@
 #include <vector>
 
 #include "tests/support/asset_by_hand.hpp"
-#include "tests/support/octree_by_hand.hpp"
-#include "tests/support/triangle_octree.hpp"
+#include "tests/support/shapes.hpp"
 
 namespace spm::surface_samples_test {
 namespace {
 
 using test::BoxByHand;
-using test::TiledCubeByHand;
+using test::SparseCubeByHand;
 
 constexpr double size = 0.04;
 
@@ -28,14 +27,17 @@ double area_of(const AssetView& asset, double step) {
   return area;
 }
 
-/// Shows more tiles of a cube than the six of its faces.
-void add_tiles(TiledCubeByHand& cube, const std::vector<test::TileByHand>& more) {
-  cube.by_hand.insert(cube.by_hand.end(), more.begin(), more.end());
-  cube.refresh();
+double area_of(const test::Shape& shape) {
+  double area = 0;
+  for (const auto& [a, b, c] : shape.triangles) {
+    const Vector3& at = shape.vertices[a];
+    area += (shape.vertices[b] - at).cross(shape.vertices[c] - at).norm() / 2;
+  }
+  return area;
 }
 
 TEST_CASE("The pieces of a cube have its area, and lie on it with its normals") {
-  const TiledCubeByHand cube(size);
+  const SparseCubeByHand cube(size);
   for (const double step : {0.01, 0.0021}) {
     CHECK(area_of(cube.view, step) == Approx(6 * size * size).epsilon(1e-5));
   }
@@ -49,90 +51,44 @@ TEST_CASE("The pieces of a cube have its area, and lie on it with its normals") 
 }
 
 TEST_CASE("A surface that would take pieces without bound is refused before they are made") {
-  TiledCubeByHand cube(size);
-  cube.by_hand.clear();
-  cube.octree = test::triangle_octree(test::box(Vector3::Constant(size)),
-                                      {.low = cube.octree.origin, .edge = cube.octree.edge},
-                                      cube.octree.lattice_step, true);
-  cube.refresh();
+  SparseCubeByHand cube(size);
   CHECK(sample_surface(cube.view, size / 100));
   const auto patches = surface_patches(cube.view, 1e-8);
   REQUIRE_FALSE(patches);
   CHECK(patches.error().code == ExitCode::invalid_input);
   CHECK(patches.error().message.find("give a larger spacing") != std::string::npos);
-  // Corners of a broken file may lie a billion times as far apart as its octree is wide.
-  cube.view.exact.step = 1e3;
+}
+
+TEST_CASE("A box that is no part of the octree has no surface") {
+  SparseCubeByHand cube(size);
+  cube.view.box_low = Vector3::Constant(1e12);
+  cube.view.box_high = Vector3::Constant(2e12);
   const auto samples = sample_surface(cube.view, size / 100);
   REQUIRE_FALSE(samples);
   CHECK(samples.error().code == ExitCode::invalid_input);
 }
 
-TEST_CASE("Tiles that lie anywhere, also where no number of a cube leads, are sampled") {
-  TiledCubeByHand cube(size);
-  std::vector<test::TileByHand> more(cube.by_hand.begin(), cube.by_hand.begin() + 2);
-  more[0].tile.eta0 = 1e12;
-  more[1].tile.omega0 = -1e12;
-  add_tiles(cube, more);
-  const auto samples = sample_surface(cube.view, size / 10);
-  REQUIRE(samples);
-  CHECK(samples->area == Approx(8 * size * size).epsilon(1e-3));
+TEST_CASE("Both sides of a plate are surface, down to few tolerances") {
+  SparseCubeByHand cube(size);
+  const double thickness = 4 * cube.view.tolerance;
+  cube.replace_triangles(test::box({size, size, thickness}));
+  CHECK(area_of(cube.view, 0.002) == Approx(2 * size * size + 4 * size * thickness).epsilon(1e-3));
 }
 
-TEST_CASE("Tiles that lie on others, whole or in part, by another plane too, add no area") {
-  TiledCubeByHand cube(size);
-  std::vector<test::TileByHand> more(cube.by_hand.begin(), cube.by_hand.end());
-  more[1].tile.base = 1.5e-5;   // within two tolerances
-  more[2].tile.eta0 += 0.0123;  // half of it beyond the face, where it is not valid
-  more[2].tile.valid = 0x0303030303030303U;
-  add_tiles(cube, more);
-  CHECK(area_of(cube.view, 0.001) == Approx(6 * size * size).epsilon(1e-5));
-  cube.by_hand[7].tile.base = 2.5e-5;  // now it is a sheet of its own
-  cube.refresh();
-  CHECK(area_of(cube.view, 0.001) == Approx(7 * size * size).epsilon(1e-5));
-}
-
-TEST_CASE("Of two tiles that overlap in part each place is the first one's") {
-  TiledCubeByHand cube(size);
-  std::vector<test::TileByHand> more{cube.by_hand[0]};
-  more[0].tile.eta0 += size / 8 * 2.5;
-  add_tiles(cube, more);
-  // Two and a half columns stand beyond the face.
-  CHECK(area_of(cube.view, 0.0007) == Approx(size * size * (6 + 2.5 / 8)).epsilon(2e-3));
-}
-
-TEST_CASE("A bare triangle on a tile is the owner, and the areas stay") {
-  TiledCubeByHand cube(size);
-  constexpr std::int32_t half = TiledCubeByHand::half_steps;
-  test::TriangleByHand triangle;
-  triangle.corners = {{{half, -half, -half}, {half, half, -half}, {half, -half, half}}};
-  triangle.bare = true;
-  test::add_triangle(cube.octree, triangle);
-  cube.refresh();
-  CHECK(area_of(cube.view, 0.0005) == Approx(6 * size * size).epsilon(2e-3));
-  // Alone it is half of a face; and triangles that tiles show are not counted again.
-  cube.by_hand.clear();
-  cube.refresh();
-  CHECK(area_of(cube.view, 0.0005) == Approx(size * size / 2).epsilon(1e-5));
-}
-
-TEST_CASE("A clipped cell counts as far as its line") {
-  TiledCubeByHand cube(size);
-  cube.by_hand[0].tile.clipped = 1;
-  cube.by_hand[0].clips = {pack_clip({100, 100, 0})};  // half of the cell
-  cube.refresh();
-  const double cell = size * size / 64;
-  CHECK(area_of(cube.view, 0.0002) == Approx(6 * size * size - cell / 2).epsilon(2e-4));
-}
-
-TEST_CASE("Both sides of a plate thinner than the tolerance are surface") {
-  TiledCubeByHand cube(size);
-  for (SupportPlane& plane : cube.planes) plane.x0 *= 1e-4;
-  cube.refresh();
-  CHECK(area_of(cube.view, 0.002) == Approx(6 * size * size).epsilon(1e-5));
+TEST_CASE("Pieces of surfaces in any pose have their area") {
+  SparseCubeByHand cube(size);
+  test::Shape ball = test::sphere(0.4 * size, 3);
+  cube.replace_triangles(ball);
+  CHECK(area_of(cube.view, 0.001) == Approx(area_of(ball)).epsilon(2e-3));
+  test::Shape turned = test::box({0.5 * size, 0.3 * size, 0.4 * size});
+  const Eigen::Matrix3d turn = Eigen::AngleAxisd(0.7, Vector3(1, 2, 3).normalized()).matrix();
+  for (Vector3& vertex : turned.vertices) vertex = turn * vertex;
+  cube.replace_triangles(turned);
+  CHECK(area_of(cube.view, 0.0005) == Approx(area_of(turned)).epsilon(5e-3));
 }
 
 TEST_CASE("Levels are nested, each with the whole area, and coarser ones bound farther places") {
-  const TiledCubeByHand cube(size);
+  const SparseCubeByHand cube(size);
   const auto samples = sample_surface(cube.view, 0.001);
   REQUIRE(samples.has_value());
   REQUIRE(samples->levels.size() > 4);
@@ -161,7 +117,7 @@ TEST_CASE("Levels are nested, each with the whole area, and coarser ones bound f
 }
 
 TEST_CASE("A sample's sphere holds all samples below it") {
-  const TiledCubeByHand cube(size);
+  const SparseCubeByHand cube(size);
   const auto samples = sample_surface(cube.view, 0.0017);
   REQUIRE(samples.has_value());
   std::vector<std::pair<std::uint32_t, std::uint32_t>> open;
@@ -182,7 +138,7 @@ TEST_CASE("A sample's sphere holds all samples below it") {
 }
 
 TEST_CASE("The mean place and the spread of a sample are those of its surface") {
-  TiledCubeByHand cube(size);
+  SparseCubeByHand cube(size);
   const auto samples = sample_surface(cube.view, 0.0005);
   REQUIRE(samples.has_value());
   // Each of the coarsest samples stands for one face: it has the face's middle, and the variance of
@@ -202,12 +158,11 @@ TEST_CASE("A full asset, an empty one and a spacing of nothing are refused with 
   REQUIRE(!full.has_value());
   CHECK(full.error().code == ExitCode::invalid_input);
   CHECK(full.error().message.find("--form sparse") != std::string::npos);
-  TiledCubeByHand cube(size);
+  SparseCubeByHand cube(size);
   for (const double spacing : {0.0, -1.0, 1e-12, std::nan("")}) {
     CHECK(sample_surface(cube.view, spacing).error().code == ExitCode::usage);
   }
-  cube.by_hand.clear();
-  cube.refresh();
+  cube.replace_triangles({});
   CHECK(sample_surface(cube.view, 0.001).error().code == ExitCode::invalid_input);
 }
 

@@ -12,14 +12,14 @@ namespace spm::virtual_tool_test {
 namespace {
 
 using Eigen::Isometry3d;
-using test::TiledCubeByHand;
+using test::SparseCubeByHand;
 
 constexpr double size = 0.04, tool_size = 0.012;
 
 /// A small cube as the tool, above an object.
 struct Scene {
-  explicit Scene(const TiledCubeByHand& object)
-      : samples(*sample_surface(TiledCubeByHand(tool_size).view, 0.0006)),
+  explicit Scene(const SparseCubeByHand& object)
+      : samples(*sample_surface(SparseCubeByHand(tool_size).view, 0.0006)),
         contact(samples, settings()),
         tool(contact, VirtualToolSettings{}, tool_size),
         objects{ContactObject{&object.view, Isometry3d::Identity()}} {}
@@ -40,16 +40,14 @@ struct Scene {
 
 Isometry3d at(double x, double y, double z) { return Isometry3d(Eigen::Translation3d(x, y, z)); }
 
-/// A plate of this thickness across z. Of its surface it shows the two wide faces, because the
-/// tiles of the narrow ones would be as wide as before.
-void make_plate(TiledCubeByHand& cube, double thickness) {
+/// A plate of this thickness across z.
+void make_plate(SparseCubeByHand& cube, double thickness) {
   for (std::size_t k : {4U, 5U}) cube.planes[k].x0 *= thickness / size;
-  cube.by_hand = {cube.by_hand[4], cube.by_hand[5]};
   cube.replace_triangles(test::box({size, size, thickness}));
 }
 
 TEST_CASE("Where nothing is near the tool follows the device, and there is no force") {
-  const TiledCubeByHand cube(size);
+  const SparseCubeByHand cube(size);
   Scene scene(cube);
   scene.tool.place(at(0, 0, 0.05));
   for (int tick = 0; tick < 200; ++tick) {
@@ -64,7 +62,7 @@ TEST_CASE("Where nothing is near the tool follows the device, and there is no fo
 }
 
 TEST_CASE("A box pressed on a plane is held by the coupling's force, without drift") {
-  const TiledCubeByHand cube(size);
+  const SparseCubeByHand cube(size);
   Scene scene(cube);
   const double rest = (size + tool_size) / 2;
   scene.tool.place(at(0.002, -0.001, rest + 0.001));
@@ -89,7 +87,7 @@ TEST_CASE("A box pressed on a plane is held by the coupling's force, without dri
 }
 
 TEST_CASE("However deep the device goes the wrench is bounded, and the tool stays outside") {
-  const TiledCubeByHand cube(size);
+  const SparseCubeByHand cube(size);
   Scene scene(cube);
   scene.tool.place(at(0, 0, 0.03));
   const VirtualToolSettings bounds;
@@ -103,7 +101,7 @@ TEST_CASE("However deep the device goes the wrench is bounded, and the tool stay
 }
 
 TEST_CASE("A spring that met its cap holds the work that was done on it") {
-  const TiledCubeByHand cube(size);
+  const SparseCubeByHand cube(size);
   Scene scene(cube);
   const VirtualToolSettings bounds;
   const double rest = (size + tool_size) / 2;
@@ -122,7 +120,7 @@ TEST_CASE("A spring that met its cap holds the work that was done on it") {
 }
 
 TEST_CASE("A plate of 0.2 mm is not passed at 1 m/s, there and back") {
-  TiledCubeByHand plate(size);
+  SparseCubeByHand plate(size);
   make_plate(plate, 0.0002);
   for (const double tilt : {0.0, 0.3}) {
     Scene scene(plate);
@@ -144,7 +142,7 @@ TEST_CASE("A plate of 0.2 mm is not passed at 1 m/s, there and back") {
 }
 
 TEST_CASE("After a tick that had no time for the finest level the next looks at it, even at rest") {
-  const TiledCubeByHand cube(size);
+  const SparseCubeByHand cube(size);
   Scene scene(cube);
   const double rest = (size + tool_size) / 2;
   scene.tool.place(at(0, 0, rest - 0.00001));
@@ -163,7 +161,7 @@ TEST_CASE("After a tick that had no time for the finest level the next looks at 
 }
 
 TEST_CASE("A device that is nowhere moves nothing and gives no wrench") {
-  const TiledCubeByHand cube(size);
+  const SparseCubeByHand cube(size);
   Scene scene(cube);
   scene.tool.place(at(0, 0, 0.05));
   const VirtualToolReport report = scene.tick(at(NAN, 0, 0));

@@ -72,7 +72,7 @@ TEST_CASE("Every wrong field of a description is refused by its name") {
   };
   const std::vector<Case> cases = {
       {"format_version", [](Json& j) { j["format_version"] = "2"; }},
-      {"format version 9, this program reads 8", [](Json& j) { j["format_version"] = 9; }},
+      {"format version 10, this program reads 9", [](Json& j) { j["format_version"] = 10; }},
       {"`form`", [](Json& j) { j["form"] = "dense"; }},
       {"`units`", [](Json& j) { j["units"] = "mm"; }},
       {"`kind`", [](Json& j) { j.erase("kind"); }},
@@ -107,10 +107,6 @@ TEST_CASE("Every wrong field of a description is refused by its name") {
        }},
       {"`mesh.closed`", [](Json& j) { j["mesh"]["closed"] = "yes"; }},
       {"`mesh.triangles`", [](Json& j) { j["mesh"]["triangles"] = 1.5; }},
-      {"`tiles.count`", [](Json& j) { j["tiles"]["count"] = 1 << 25; }},
-      {"`tiles.spacing`", [](Json& j) { j["tiles"]["spacing"] = 0; }},
-      {"`tiles.spacing`", [](Json& j) { j["tiles"]["spacing"] = 1e30; }},
-      {"`tiles.height_unit`", [](Json& j) { j["tiles"]["height_unit"] = -1e-6; }},
       {"`planes`", [](Json& j) { j["planes"] = 1; }},
       {"`planes[0].x0`", [](Json& j) { j["planes"][0].erase("x0"); }},
       {"`planes[1].u`", [](Json& j) { j["planes"][1]["u"].push_back(0); }},
@@ -230,7 +226,7 @@ TEST_CASE("Every wrong field of the octree and its triangles is refused by its n
 TEST_CASE("A file of another format version is refused with who wrote it and what to do") {
   for (const auto& [version, cure] :
        {std::pair{4, "; an older spm-bake wrote it; bake it again"},
-        {9, "; a newer spm-bake wrote it, update this one; bake it again"}}) {
+        {10, "; a newer spm-bake wrote it, update this one; bake it again"}}) {
     Json json = Json::parse(sparse_text());
     json["format_version"] = version;
     // Other versions have other fields, which are not looked at.
@@ -239,13 +235,13 @@ TEST_CASE("A file of another format version is refused with who wrote it and wha
     REQUIRE(!parsed);
     CHECK(parsed.error().code == ExitCode::invalid_input);
     CHECK(parsed.error().message ==
-          "a.exr: format version " + std::to_string(version) + ", this program reads 8" + cure);
+          "a.exr: format version " + std::to_string(version) + ", this program reads 9" + cure);
   }
 }
 
 TEST_CASE("A description has the partition of its own form alone") {
   const Json sparse = Json::parse(sparse_text()), full = Json::parse(full_text());
-  for (const char* key : {"octree", "exact", "tiles"}) {
+  for (const char* key : {"octree", "exact", "atlas"}) {
     CHECK(sparse.contains(key));
     CHECK(!full.contains(key));
   }
@@ -303,7 +299,7 @@ TEST_CASE("A number of a description that is beyond all sizes is refused by its 
       {"/band/margin", 1e154},   {"/probe/radius", 1e300},   {"/mesh/unit", 1e300},
       {"/mesh/diagonal", 1e200}, {"/mesh/box_max/1", 1e200}, {"/octree/origin/0", 1e200},
       {"/octree/edge", 1e13},    {"/exact/step", 1e13},      {"/exact/origin/2", -1e200},
-      {"/tiles/spacing", 1e13},  {"/planes/0/x0/1", 1e200},  {"/octree/reach", 1e13}};
+      {"/atlas/spacing", 1e13},  {"/planes/0/x0/1", 1e200},  {"/octree/reach", 1e13}};
   for (const auto& [place, value] : cases) {
     Json json = Json::parse(sparse_text());
     json[Json::json_pointer(place)] = value;

@@ -22,16 +22,16 @@ namespace {
 using namespace spm;
 using namespace spm::test;
 
-/// A written asset of some hundred pages, opened with its tiles.
+/// A written asset of some hundred pages.
 struct Opened {
   TemporaryFolder folder;
   std::string path = folder.path("a.spm.exr");
-  Asset asset = sparse_asset(1, {.tiles = 4000});
+  Asset asset = sparse_asset(1, {.charts = 1000});
   std::unique_ptr<MappedAsset> mapped;
 
   explicit Opened(MapMode mode = MapMode::file) {
     REQUIRE(write_asset(asset, path).has_value());
-    auto opened = MappedAsset::open(path, {.mode = mode, .tiles = true});
+    auto opened = MappedAsset::open(path, {.mode = mode});
     REQUIRE(opened.has_value());
     mapped = std::move(*opened);
     REQUIRE(mapped->check_file() == AssetState::intact);
@@ -40,11 +40,7 @@ struct Opened {
 
 double sum_of_samples(const AssetView& view) {
   double sum = 0;
-  for (const Tile& tile : view.tiles) {
-    for (std::uint32_t k = 0; k < tile_sample_count; ++k) {
-      sum += std::abs(static_cast<double>(half_to_float(tile.heights[k])));
-    }
-  }
+  for (const float height : view.atlas) sum += std::abs(static_cast<double>(height));
   return sum;
 }
 

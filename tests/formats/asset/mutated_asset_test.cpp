@@ -88,8 +88,8 @@ void use(const AssetView& view, Random& random) {
 TEST_CASE("A mutated asset with a right checksum is refused, or is safe to query") {
   const TemporaryFolder folder(TemporaryFolder::Place::memory);
   const std::string path = folder.path("a.spm.exr");
-  for (const Asset& asset : {sparse_asset(1, {.planes = 3, .tiles = 40, .triangles = 6}),
-                             full_asset(2, {2, 1, 2, 11}, 5, 4)}) {
+  for (const Asset& asset :
+       {sparse_asset(1, {.planes = 3, .triangles = 6}), full_asset(2, {2, 1, 2, 11}, 5, 4)}) {
     REQUIRE(write_asset(asset, path).has_value());
     const std::string bytes = read_bytes(path);
     const auto ranges = sensitive_ranges(bytes);
@@ -97,7 +97,7 @@ TEST_CASE("A mutated asset with a right checksum is refused, or is safe to query
     int opened_mutants = 0, refused_mutants = 0;
     for (int k = 0; k < 2000; ++k) {
       write_bytes(path, mutant(bytes, ranges, random));
-      const auto opened = MappedAsset::open(path, {.tiles = k % 2 == 0});
+      const auto opened = MappedAsset::open(path);
       if (opened) {
         ++opened_mutants;
         use((*opened)->view(), random);
@@ -115,7 +115,7 @@ TEST_CASE("A mutated asset with a right checksum is refused, or is safe to query
 TEST_CASE("Bytes that change under the map after the checks leave queries safe") {
   const TemporaryFolder folder;
   const std::string path = folder.path("a.spm.exr");
-  for (const Asset& asset : {sparse_asset(3, {.tiles = 40}), full_asset(4, {2, 1, 2, 11})}) {
+  for (const Asset& asset : {sparse_asset(3), full_asset(4, {2, 1, 2, 11})}) {
     REQUIRE(write_asset(asset, path).has_value());
     const std::string bytes = read_bytes(path);
     const auto opened = MappedAsset::open(path);
@@ -134,14 +134,14 @@ TEST_CASE("Bytes that change under the map after the checks leave queries safe")
 }
 
 TEST_CASE("An octree of any words at all, opened by force, leaves queries within it") {
-  const Asset whole = sparse_asset(5, {.planes = 3, .tiles = 0, .triangles = 40});
+  const Asset whole = sparse_asset(5, {.planes = 3, .triangles = 40});
   Random random(9);
   int answers = 0;
   for (int trial = 0; trial < 1000; ++trial) {
     Asset asset = whole;
     OctreeData& octree = asset.octree;
     const bool all = trial % 4 == 0;
-    for (std::vector<std::uint32_t>* words : {&octree.root_words, &octree.units, &octree.lists,
+    for (std::vector<std::uint32_t>* words : {&octree.root_words, &octree.words, &octree.lists,
                                               &octree.corners, &octree.triangles, &octree.sides}) {
       if (below(random, 3) == 0) words->resize(below(random, 60));
       words->shrink_to_fit();

@@ -29,21 +29,21 @@ struct Checked {
   }
 };
 
-/// What may be looked at: each root, the octants of each unit, what each word of a list names, each
-/// triangle.
+/// What may be looked at: each root, the octants of each two words, what each word of a list names,
+/// each triangle.
 std::size_t most_steps(const OctreeData& octree) {
-  return octree.root_words.size() + 8 * (octree.units.size() / 2) + 2 * octree.lists.size() +
+  return octree.root_words.size() + 8 * (octree.words.size() / 2) + 2 * octree.lists.size() +
          octree.triangles.size() / 2;
 }
 
-/// An asset of this many splits and nothing else; octants of all are splits from one unit on.
+/// An asset of this many splits and nothing else; octants of all are splits from one word on.
 Asset all_splits(std::uint32_t count, std::uint32_t first) {
-  Asset asset = sparse_asset(1, {.planes = 0, .tiles = 0, .triangles = 0});
+  Asset asset = sparse_asset(1, {.planes = 0, .triangles = 0});
   asset.octree.root_words.assign(48, root_word(OctreeKind::split, 0));
-  asset.octree.units.clear();
+  asset.octree.words.clear();
   for (std::uint32_t k = 0; k < count; ++k) {
-    asset.octree.units.push_back(first);
-    asset.octree.units.push_back(octant_kinds(OctreeKind::split));
+    asset.octree.words.push_back(first);
+    asset.octree.words.push_back(octant_kinds(OctreeKind::split));
   }
   return asset;
 }
@@ -51,8 +51,8 @@ Asset all_splits(std::uint32_t count, std::uint32_t first) {
 }  // namespace
 
 TEST_CASE("An octree of roots alone, all of them far or left out, answers so") {
-  Asset asset = sparse_asset(6, {.tiles = 0, .triangles = 0});
-  asset.octree.units.clear();
+  Asset asset = sparse_asset(6, {.triangles = 0});
+  asset.octree.words.clear();
   for (std::uint32_t& word : asset.octree.root_words) word = root_word(OctreeKind::far, 70);
   asset.octree.root_words.front() = root_word(OctreeKind::pruned, 0);
   CHECK(Checked(asset).problem.empty());
@@ -80,14 +80,14 @@ TEST_CASE("A triangle that lies outside its octree is refused, whatever the tole
 }
 
 TEST_CASE("A list names no triangle beyond the last one") {
-  Asset asset = sparse_asset(1, {.planes = 0, .tiles = 0, .triangles = 10});
+  Asset asset = sparse_asset(1, {.planes = 0, .triangles = 10});
   OctreeData& octree = asset.octree;
   const auto with = [&](std::uint32_t last) {
     octree.lists.clear();
     const auto unit = add_list(octree, {0, last});
     octree.root_words.assign(48, root_word(OctreeKind::pruned, 0));
     octree.root_words[0] = root_word(OctreeKind::list, 0);
-    octree.units.assign(unit.begin(), unit.end());
+    octree.words.assign(unit.begin(), unit.end());
     asset.metadata.tolerance = 1;  // with which the band is no check
     return Checked(asset).problem;
   };
@@ -106,13 +106,13 @@ TEST_CASE("Each cube, listed triangle and triangle is looked at once") {
 }
 
 TEST_CASE("Splits that all name the same octants are refused when the second one is met") {
-  for (const std::uint32_t first : {0U, 1U, 8U, 1000U}) {
+  for (const std::uint32_t first : {0U, 2U, 16U, 2000U}) {
     Asset asset = all_splits(2000, first);
     // Twelve levels of them would be 8^12 cubes.
     CHECK(Checked(asset).problem == "a cube of its octree shares its words with another");
     CHECK(Checked(asset).steps <= 3);
     asset.octree.root_words.assign(48, root_word(OctreeKind::far, 0));
-    asset.octree.root_words[0] = root_word(OctreeKind::split, 1999);
+    asset.octree.root_words[0] = root_word(OctreeKind::split, 3998);
     const Checked one_root(asset);
     CHECK(one_root.problem == "a cube of its octree shares its words with another");
     CHECK(one_root.steps <= most_steps(asset.octree));
@@ -120,30 +120,31 @@ TEST_CASE("Splits that all name the same octants are refused when the second one
 }
 
 TEST_CASE("Many cubes with the same list cost no more than one") {
-  Asset asset = sparse_asset(1, {.planes = 0, .tiles = 0, .triangles = 8000});
+  Asset asset = sparse_asset(1, {.planes = 0, .triangles = 8000});
   OctreeData& octree = asset.octree;
   octree.lists.clear();
   std::vector<std::uint32_t> all;
   for (std::uint32_t k = 0; k < max_listed_of_kind; ++k) all.push_back(0);
   const auto unit = add_list(octree, all);
-  octree.units.clear();
+  octree.words.clear();
   // Each root is split, and each of its octants has the whole list, of any side.
   const std::uint32_t roots = 48;
   for (std::uint32_t root = 0; root < roots; ++root) {
-    octree.root_words[root] = root_word(OctreeKind::split, root);
-    octree.units.insert(octree.units.end(), {roots + 8 * root, octant_kinds(OctreeKind::list)});
+    octree.root_words[root] = root_word(OctreeKind::split, 2 * root);
+    octree.words.insert(octree.words.end(),
+                        {2 * (roots + 8 * root), octant_kinds(OctreeKind::list)});
   }
   for (std::uint32_t k = 0; k < 8 * roots; ++k) {
     const std::uint32_t side = list_word(0, 0, static_cast<ListSide>(k % 3), false);
-    octree.units.insert(octree.units.end(), {unit[0], unit[1] | side});
+    octree.words.insert(octree.words.end(), {unit[0], unit[1] | side});
   }
   const Checked checked(asset);
   CHECK(checked.problem.empty());
   CHECK(checked.steps == roots + 8 * roots + max_listed_of_kind + octree.triangles.size() / 2);
   // Lists that begin one word after the other, in each other, could cost as much as their product.
   for (std::uint32_t k = 0; k < 8 * roots; ++k) {
-    octree.units[2 * (roots + k)] = unit[0] + k;
-    octree.units[2 * (roots + k) + 1] = list_word(1000, 0, ListSide::surface, false);
+    octree.words[2 * (roots + k)] = unit[0] + k;
+    octree.words[2 * (roots + k) + 1] = list_word(1000, 0, ListSide::surface, false);
   }
   const Checked nested(asset);
   CHECK(nested.problem == "a cube of its octree shares a part of its list with another");
@@ -151,7 +152,7 @@ TEST_CASE("Many cubes with the same list cost no more than one") {
 }
 
 TEST_CASE("Any words of a polynomial that are accepted give finite answers") {
-  Asset asset = sparse_asset(6, {.tiles = 0, .triangles = 0});
+  Asset asset = sparse_asset(6, {.triangles = 0});
   OctreeData& octree = asset.octree;
   octree.root_words.assign(octree.root_words.size(), root_word(OctreeKind::far, 0));
   const Vector3 low = octree.origin;
@@ -164,9 +165,10 @@ TEST_CASE("Any words of a polynomial that are accepted give finite answers") {
     const auto kind =
         std::array{OctreeKind::polynomial, OctreeKind::least, OctreeKind::most}[below(random, 3)];
     octree.root_words[0] = root_word(kind, 0);
-    octree.units.resize(2 * units_of(kind));
-    for (std::size_t k = 0; k < octree.units.size(); ++k) {
-      std::uint32_t& word = octree.units[k];
+    const bool pair = kind != OctreeKind::polynomial;
+    octree.words.assign(pair ? 9 : 4, pair ? 1 : 0);
+    for (std::size_t k = 0; k < (pair ? 8U : 4U); ++k) {
+      std::uint32_t& word = octree.words[k + (pair ? 1 : 0)];
       word = below(random, 2) == 0 ? odd.at(below(random, 8))
                                    : static_cast<std::uint32_t>(random.next());
       // The last word of a polynomial names a plane, and the exponent of what bends.
@@ -221,18 +223,18 @@ TEST_CASE("A cube in the band that is said to be far is found only where a trian
 TEST_CASE("The time of a check does not depend on what hostile words say") {
   Random random(4);
   for (int trial = 0; trial < 2000; ++trial) {
-    Asset asset = sparse_asset(1, {.planes = 3, .tiles = 0, .triangles = 40});
+    Asset asset = sparse_asset(1, {.planes = 3, .triangles = 40});
     OctreeData& octree = asset.octree;
     // Splits everywhere, of octants that may be anywhere.
-    for (std::size_t k = 0; k + 1 < octree.units.size(); k += 2) {
+    for (std::size_t k = 0; k + 1 < octree.words.size(); k += 2) {
       if (below(random, 4) != 0) continue;
-      octree.units[k] = below(random, static_cast<std::uint32_t>(octree.units.size() / 2));
-      octree.units[k + 1] = octant_kinds(OctreeKind::split);
+      octree.words[k] = below(random, static_cast<std::uint32_t>(octree.words.size()));
+      octree.words[k + 1] = octant_kinds(OctreeKind::split);
     }
     for (std::uint32_t& word : octree.root_words) {
       if (below(random, 8) == 0) {
         word = root_word(OctreeKind::split,
-                         below(random, static_cast<std::uint32_t>(octree.units.size() / 2)));
+                         below(random, static_cast<std::uint32_t>(octree.words.size())));
       }
     }
     const Checked checked(asset);

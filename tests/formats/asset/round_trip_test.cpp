@@ -22,7 +22,7 @@ using namespace spm::test;
 const std::vector<std::uint32_t> many_layers{2, 2, 1, 12, 2, 3, 2, 1, 12, 2, 2, 1, 2};
 
 std::unique_ptr<MappedAsset> written_and_opened(const Asset& asset, const std::string& path,
-                                                const MapOptions& options = {.tiles = true}) {
+                                                const MapOptions& options = {}) {
   const auto written = write_asset(asset, path);
   INFO((written ? std::string() : written.error().message));
   REQUIRE(written.has_value());
@@ -34,21 +34,6 @@ std::unique_ptr<MappedAsset> written_and_opened(const Asset& asset, const std::s
 
 void check_same_words(std::span<const std::uint32_t> a, std::span<const std::uint32_t> b) {
   CHECK(std::vector(a.begin(), a.end()) == std::vector(b.begin(), b.end()));
-}
-
-void check_same_tile(const TileData& wanted, const Tile& tile, double tile_spacing) {
-  REQUIRE(tile.plane == wanted.plane);
-  REQUIRE(tile.first_layer == wanted.first_layer);
-  REQUIRE(tile.spacing == static_cast<float>(tile_spacing / (1U << wanted.level)));
-  REQUIRE(tile.eta0 == wanted.column * 4 * static_cast<double>(tile.spacing));
-  REQUIRE(tile.omega0 == wanted.row * 4 * static_cast<double>(tile.spacing));
-  REQUIRE(tile.base == static_cast<double>(wanted.base));
-  REQUIRE(tile.slope_eta == wanted.slope_eta);
-  REQUIRE(tile.slope_omega == wanted.slope_omega);
-  REQUIRE(tile.valid == wanted.valid);
-  REQUIRE(tile.clipped == wanted.clipped);
-  REQUIRE(std::equal(wanted.heights.begin(), wanted.heights.end(), tile.heights));
-  REQUIRE(std::equal(wanted.clips.begin(), wanted.clips.end(), tile.clips));
 }
 
 /// Checks that the planes and the grid are those of an asset.
@@ -75,7 +60,7 @@ void check_same_octree(const OctreeData& wanted, const AssetView& view) {
   CHECK(view.octree.clearance_unit == wanted.clearance_unit);
   CHECK(view.octree.reach == wanted.reach);
   check_same_words(view.octree.root_words, wanted.root_words);
-  check_same_words(view.octree.units, wanted.units);
+  check_same_words(view.octree.words, wanted.words);
   check_same_words(view.octree.lists, wanted.lists);
   CHECK(view.exact.origin == wanted.lattice_origin);
   CHECK(view.exact.step == wanted.lattice_step);
@@ -85,17 +70,12 @@ void check_same_octree(const OctreeData& wanted, const AssetView& view) {
 }
 
 void check_same_content(const Asset& asset, const AssetView& view) {
-  REQUIRE(view.tiles.size() == asset.tiles.size());
-  for (std::size_t k = 0; k < asset.tiles.size(); ++k) {
-    check_same_tile(asset.tiles[k], view.tiles[k], asset.metadata.tile_spacing);
-  }
   REQUIRE(view.maps.size() == asset.maps.size());
   for (std::size_t k = 0; k < asset.maps.size(); ++k) {
     const MapData& wanted = asset.maps[k];
     const DistanceMap& map = view.maps[k];
     REQUIRE(map.plane == wanted.plane);
     REQUIRE(map.layers == wanted.layers);
-    REQUIRE(map.first_layer == wanted.first_layer);
     REQUIRE(map.eta0 == wanted.eta0);
     REQUIRE(map.omega0 == wanted.omega0);
     REQUIRE(map.spacing == wanted.spacing);
@@ -126,8 +106,8 @@ bool same(double a, double b) { return a == b || (std::isnan(a) && std::isnan(b)
 
 TEST_CASE("A sparse asset reads back as it was written") {
   const TemporaryFolder folder;
-  for (const std::uint32_t tiles : {0U, 1U, 2U, 31U, 100U, 700U, 1999U}) {
-    const Asset asset = sparse_asset(tiles, {.tiles = tiles, .triangles = tiles % 3 * 7});
+  for (const std::uint32_t charts : {0U, 1U, 2U, 31U, 100U}) {
+    const Asset asset = sparse_asset(charts, {.charts = charts, .triangles = charts % 3 * 7});
     const auto opened = written_and_opened(asset, folder.path("sparse.spm.exr"));
     check_same_content(asset, opened->view());
   }
@@ -135,7 +115,7 @@ TEST_CASE("A sparse asset reads back as it was written") {
 
 TEST_CASE("A sparse asset of triangles alone reads back as it was written") {
   const TemporaryFolder folder;
-  const Asset asset = sparse_asset(3, {.planes = 0, .tiles = 0, .triangles = 25});
+  const Asset asset = sparse_asset(3, {.planes = 0, .triangles = 25});
   const auto opened = written_and_opened(asset, folder.path("triangles.spm.exr"));
   check_same_content(asset, opened->view());
   // Of each triangle three corners, here its own, their numbers and the sides.
@@ -151,30 +131,22 @@ TEST_CASE("Each form has the parts of its own partition of space") {
     return found;
   };
   using Names = std::vector<std::string>;
-  CHECK(names(sparse_asset(6)) == Names{"heights", "grid_tile_heights", "grid_roots", "grid_cubes",
-                                        "grid_lists", "grid_maps", "grid_tiles", "grid_masks",
-                                        "triangles", "triangles_corners", "triangles_sides"});
+  CHECK(names(sparse_asset(6)) == Names{"heights", "grid_roots", "grid_cubes", "grid_lists",
+                                        "grid_maps", "triangles", "triangles_corners",
+                                        "triangles_sides"});
   CHECK(names(full_asset(6, {2, 2})) ==
         Names{"heights02", "grid_index", "grid_records", "grid_masks", "triangles"});
   // What would be empty is left out: here all but the cubes.
-  CHECK(names(sparse_asset(6, {.tiles = 0, .charts = 0, .triangles = 0})) ==
-        Names{"grid_roots", "grid_cubes"});
+  CHECK(names(sparse_asset(6, {.charts = 0, .triangles = 0})) == Names{"grid_roots", "grid_cubes"});
 }
 
-TEST_CASE("Tiles are kept where they are asked for, and no answer needs them") {
+TEST_CASE("An open asset takes its file's bytes and the tables of its planes and maps") {
   const TemporaryFolder folder;
   const Asset asset = sparse_asset(9);
-  const auto shown = written_and_opened(asset, folder.path("a.spm.exr"));
-  const auto lean = MappedAsset::open(folder.path("a.spm.exr"));
-  REQUIRE(lean.has_value());
-  CHECK(shown->view().tiles.size() == 100);
-  CHECK((*lean)->view().tiles.empty());
-  check_same_octree(asset.octree, (*lean)->view());
-  // Answers come from the file, and from the tables of planes and maps that opening adds.
-  CHECK((*lean)->resident_bytes() >= (*lean)->bytes().total + 10 * sizeof(SupportPlane));
-  CHECK((*lean)->resident_bytes() <= (*lean)->bytes().total + 16 * sizeof(SupportPlane) +
-                                         asset.atlas.charts.size() * sizeof(HeightChart) + 64);
-  CHECK((*shown).resident_bytes() >= (*lean)->resident_bytes() + 100 * sizeof(Tile));
+  const auto opened = written_and_opened(asset, folder.path("a.spm.exr"));
+  CHECK(opened->resident_bytes() >= opened->bytes().total + 10 * sizeof(SupportPlane));
+  CHECK(opened->resident_bytes() <= opened->bytes().total + 16 * sizeof(SupportPlane) +
+                                        asset.atlas.charts.size() * sizeof(HeightChart) + 64);
 }
 
 TEST_CASE("A full asset reads back as it was written, for any numbers of layers") {
@@ -210,8 +182,6 @@ TEST_CASE("The metadata of an asset reads back exactly") {
   CHECK(b.tolerance == a.tolerance);
   CHECK(b.tolerance_met == a.tolerance_met);
   CHECK(b.certified == a.certified);
-  CHECK(b.tile_spacing == a.tile_spacing);
-  CHECK(b.height_unit == a.height_unit);
   CHECK(b.layers_max == a.layers_max);
   CHECK(b.inconsistent_samples == a.inconsistent_samples);
   CHECK(b.tried_area == a.tried_area);
@@ -220,8 +190,8 @@ TEST_CASE("The metadata of an asset reads back exactly") {
 
 TEST_CASE("An asset in memory and the same asset mapped answer alike") {
   const TemporaryFolder folder;
-  for (const Asset& asset : {sparse_asset(11), sparse_asset(13, {.planes = 0, .tiles = 0}),
-                             full_asset(12, many_layers)}) {
+  for (const Asset& asset :
+       {sparse_asset(11), sparse_asset(13, {.planes = 0}), full_asset(12, many_layers)}) {
     const auto opened = written_and_opened(asset, folder.path("a.spm.exr"));
     const AssetTables tables = tables_of(asset);
     Random random(3);
@@ -309,38 +279,6 @@ TEST_CASE("A sparse asset keeps the heights of its maps as one picture of metres
   }
 }
 
-TEST_CASE("A sparse asset keeps the heights of a tile contiguous, row by row") {
-  const TemporaryFolder folder;
-  const Asset asset = sparse_asset(8);
-  const std::string path = folder.path("a.spm.exr");
-  const auto opened = written_and_opened(asset, path);
-  const std::string bytes = read_bytes(path);
-  const HandPart part = read_by_hand(bytes).parts.at(1);
-  CHECK(part.name() == "grid_tile_heights");
-  CHECK(part.sample_bytes == 2);
-  CHECK(part.tile_width == 9);
-  const std::size_t strip = part.tile_height / 9;
-  CHECK(part.table.size() == 100 / strip);
-  for (std::size_t k = 0; k < asset.tiles.size(); ++k) {
-    const std::uint64_t start = part.table[k / strip] + 24 + (k % strip) * 81 * 2;
-    CHECK(std::memcmp(bytes.data() + start, asset.tiles[k].heights.data(), 162) == 0);
-    CHECK(part.sample_offset(k / strip, "Y", 3, static_cast<std::uint32_t>(k % strip * 9 + 2)) ==
-          start + 2 * (2 * 9 + 3));
-  }
-}
-
-TEST_CASE("Few bytes are spent on spare tiles and chunks, whatever the number of tiles") {
-  for (std::uint64_t count = 1; count < 60000; count += 1 + count / 60) {
-    const std::uint64_t strip = arrange_strips(count);
-    const std::uint64_t strips = (count + strip - 1) / strip;
-    INFO(count << " tiles in strips of " << strip);
-    CHECK(strips * strip % 2 == 0);
-    CHECK(strips * strip >= count);
-    const std::uint64_t spent = (strips * strip - count) * 162 + strips * 32;
-    CHECK(spent <= std::max<std::uint64_t>(162 + 64, 162 * count * 3 / 100));
-  }
-}
-
 TEST_CASE("Bytes beside samples, grid and triangles stay below a tenth") {
   const TemporaryFolder folder;
   const std::string path = folder.path("a.spm.exr");
@@ -351,8 +289,8 @@ TEST_CASE("Bytes beside samples, grid and triangles stay below a tenth") {
     const auto useful = bytes->samples + bytes->grid + bytes->triangles;
     return 1 - static_cast<double>(useful) / static_cast<double>(bytes->total);
   };
-  CHECK(share(sparse_asset(1, {.planes = 64, .tiles = 1000, .triangles = 100})) < 0.1);
-  CHECK(share(sparse_asset(1, {.planes = 24, .tiles = 400, .triangles = 50})) < 0.1);
+  CHECK(share(sparse_asset(1, {.planes = 28, .charts = 1000, .triangles = 1000})) < 0.1);
+  CHECK(share(sparse_asset(1, {.planes = 12, .charts = 200, .triangles = 1000})) < 0.1);
   CHECK(share(full_asset(1, std::vector<std::uint32_t>(100, 1), 33, 33)) < 0.1);
 }
 

@@ -118,15 +118,15 @@ TEST_CASE("An asset that contradicts itself is not written") {
   std::vector<Asset> wrong(24, sparse_asset(1));
   wrong[0] = full_asset(1, {2, 1});
   wrong[0].grid.index.pop_back();
-  wrong[1].tiles[3].clips.push_back(0);
-  wrong[2].tiles[3].plane = 10;
+  wrong[1].atlas.charts[3].columns = 2;
+  wrong[2].atlas.charts[3].plane = 10;
   wrong[3].metadata.options = "[1]";
   wrong[4].triangles.assign(9, 0);  // floats are of the other form
-  wrong[5].tiles[3].level = 12;
-  wrong[6].tiles[3].column = 1 << 15;
-  wrong[7].tiles[3].slope_eta = 0.1F;  // no HALF number
-  wrong[8].tiles[3].heights[80] = 0x7C00;
-  wrong[9].metadata.tile_spacing = 0;
+  wrong[5].atlas.charts[3].level = 32;
+  wrong[6].atlas.heights.pop_back();
+  wrong[7].atlas.width = 0;
+  wrong[8].atlas.charts.clear();
+  wrong[9].atlas.spacing = 0;
   wrong[10].octree.sides.pop_back();
   wrong[11].maps.resize(1);
   wrong[12] = full_asset(1, {2, 1});
@@ -134,10 +134,10 @@ TEST_CASE("An asset that contradicts itself is not written") {
   wrong[13] = full_asset(1, {2, 1});
   wrong[13].maps[1].mask.clear();
   wrong[14] = full_asset(1, {2, 1});
-  wrong[14].tiles = sparse_asset(1).tiles;
-  // An octree without a word for each root or without whole units, or of the other form.
+  wrong[14].atlas = sparse_asset(1).atlas;
+  // An octree without a word for each root or without whole triangles, or of the other form.
   wrong[15].octree.root_words.clear();
-  wrong[16].octree.units.pop_back();
+  wrong[16].octree.triangles.pop_back();
   wrong[17].octree.roots[2] += 1;
   wrong[18].grid = full_asset(1, {2, 1}).grid;
   wrong[19].grid.records.push_back(0);

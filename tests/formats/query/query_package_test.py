@@ -61,7 +61,7 @@ class Package(unittest.TestCase):
         self.assertEqual([Status(int(answer["status"])) for answer in answers],
                          [Status.EXACT, Status.EXACT, Status.DEEP, Status.FAR])
         self.assertAlmostEqual(float(answers[0]["normal"][0]), -1, delta=0.1)
-        self.assertIn(Source(int(answers[0]["source"])), (Source.POLYNOMIAL, Source.TRIANGLES))
+        self.assertIn(Source(int(answers[0]["source"])), (Source.TILE, Source.TRIANGLES))
 
     @unittest.skipUnless(numpy, "python3-numpy is not installed")
     def test_arrays_are_answered_however_they_lie(self) -> None:

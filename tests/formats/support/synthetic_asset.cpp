@@ -94,34 +94,6 @@ MapData random_map(Random& random, std::uint32_t columns, std::uint32_t rows,
   return map;
 }
 
-/// A HALF number near zero.
-float random_half(Random& random, double size) {
-  return half_to_float(float_to_half(static_cast<float>(random.between(-size, size))));
-}
-
-TileData random_tile(Random& random, std::uint32_t planes) {
-  TileData tile;
-  tile.plane = below(random, planes);
-  tile.level = below(random, 3);
-  tile.first_layer = below(random, 5);
-  tile.column = -static_cast<std::int32_t>(below(random, 2U << tile.level));
-  tile.row = static_cast<std::int32_t>(below(random, 2U << tile.level)) - (1 << tile.level);
-  tile.base = static_cast<float>(random.between(0.03, 0.07));
-  tile.slope_eta = random_half(random, 0.5);
-  tile.slope_omega = random_half(random, 0.5);
-  tile.valid = below(random, 3) == 0 ? ~std::uint64_t{0} : random.next() | random.next();
-  tile.clipped = below(random, 2) == 0 ? 0 : random.next() & random.next() & tile.valid;
-  for (std::uint16_t& height : tile.heights) {
-    height = float_to_half(static_cast<float>(random.between(-1000, 1000)));
-  }
-  for (int k = 0; k < std::popcount(tile.clipped); ++k) {
-    tile.clips.push_back(pack_clip({static_cast<float>(random.between(-127, 127)),
-                                    static_cast<float>(random.between(-127, 127)),
-                                    static_cast<float>(random.between(-60, 60))}));
-  }
-  return tile;
-}
-
 /// Makes cells of every kind that name random maps and triangles.
 class GridMaker {
  public:
@@ -197,12 +169,7 @@ Asset sparse_asset(std::uint64_t seed, const SparseShape& shape) {
   Random random(seed);
   Asset asset;
   asset.metadata = metadata_of(AssetForm::sparse);
-  asset.metadata.tile_spacing = 0.004;
-  asset.metadata.height_unit = 1e-6;
   for (std::uint32_t k = 0; k < shape.planes; ++k) asset.planes.push_back(random_plane(random));
-  for (std::uint32_t k = 0; k < shape.tiles; ++k) {
-    asset.tiles.push_back(random_tile(random, shape.planes));
-  }
   asset.atlas = random_atlas(random, shape.planes, shape.charts);
   asset.octree = random_octree(
       random, shape.planes, static_cast<std::uint32_t>(asset.atlas.charts.size()), shape.triangles);

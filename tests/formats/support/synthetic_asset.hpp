@@ -33,7 +33,6 @@ class TemporaryFolder {
 
 struct SparseShape {
   std::uint32_t planes = 10;
-  std::uint32_t tiles = 100;
   std::uint32_t charts = 6;
   std::uint32_t triangles = 20;
 };

@@ -50,62 +50,65 @@ class OctreeMaker {
                                OctreeKind::polynomial, OctreeKind::least,  OctreeKind::most,
                                OctreeKind::map,        OctreeKind::map};
     const OctreeKind kind = kinds[below(random_, kinds.size())];
-    const bool map = units_of(kind) > 1;
+    const bool map = has_polynomials(kind);
     const bool missing = kind == OctreeKind::list  ? surface_ == 0
                          : kind == OctreeKind::map ? charts_ == 0
                                                    : map && planes_ == 0;
     return missing ? OctreeKind::pruned : kind;
   }
 
-  std::uint32_t reserve(std::uint32_t units) {
-    const auto first = static_cast<std::uint32_t>(octree.units.size() / 2);
-    octree.units.resize(octree.units.size() + 2 * std::size_t{units});
+  std::uint32_t reserve(std::size_t words) {
+    const auto first = static_cast<std::uint32_t>(octree.words.size());
+    octree.words.resize(octree.words.size() + words);
     return first;
   }
 
   void add_root(bool split) {
     const OctreeKind kind = split ? OctreeKind::split : random_kind();
-    std::uint32_t unit = below(random_, 1000);  // of a far one the distance
-    if (kind != OctreeKind::far) unit = reserve(units_of(kind));
-    octree.root_words.push_back(root_word(kind, unit));
-    fill(kind, unit, 0);
+    std::uint32_t word = below(random_, 1000);  // of a far one the distance
+    if (kind != OctreeKind::far) word = reserve(words_of(kind));
+    octree.root_words.push_back(root_word(kind, word));
+    fill(kind, word, 0);
   }
 
-  void fill(OctreeKind kind, std::uint32_t unit, int level) {
+  void fill(OctreeKind kind, std::uint32_t first, int level) {
     std::vector<std::uint32_t> words;
     if (kind == OctreeKind::split) {
-      split(unit, level);
+      split(first, level);
     } else if (kind == OctreeKind::list) {
       const auto list = random_list();
       words.assign(list.begin(), list.end());
     } else if (kind == OctreeKind::map) {
-      words = {below(random_, charts_), 0};
+      words = {word_of_map(below(random_, charts_))};
       if (below(random_, 2) == 0) {
-        words[1] = (1 + below(random_, charts_)) | (below(random_, 2) == 0 ? larger_bit : 0U);
+        words = {word_of_maps(words[0], below(random_, charts_), below(random_, 2) == 0)};
       }
     } else if (kind == OctreeKind::deep) {
-      words = {pack_octahedral(random_.direction()), 0};
-    } else {
-      while (words.size() < 2 * units_of(kind)) add_map(words, octree.edge / (2 << level));
+      words = {pack_octahedral(random_.direction())};
+    } else if (kind == OctreeKind::polynomial) {
+      add_map(words, octree.edge / (2 << level));
+    } else if (has_polynomials(kind)) {
+      for (int k = 0; k < 2; ++k) add_map(words, octree.edge / (2 << level));
+      first = octree.words[first] = reserve(words.size());
     }
     std::copy(words.begin(), words.end(),
-              octree.units.begin() + 2 * static_cast<std::ptrdiff_t>(unit));
+              octree.words.begin() + static_cast<std::ptrdiff_t>(first));
   }
 
-  void split(std::uint32_t unit, int level) {
-    std::uint32_t kinds = 0, units = 0;
+  void split(std::uint32_t at, int level) {
+    std::uint32_t kinds = 0, words = 0;
     for (std::uint32_t octant = 0; octant < 8; ++octant) {
       const bool again = level < 3 && below(random_, 6) == 0;
       const OctreeKind kind = again ? OctreeKind::split : random_kind();
       kinds |= static_cast<std::uint32_t>(kind) << (4 * octant);
-      units += units_of(kind);
+      words += words_of(kind);
     }
-    const std::uint32_t first = reserve(units);
-    octree.units[2 * unit] = first;
-    octree.units[2 * unit + 1] = kinds;
+    const std::uint32_t first = reserve(words);
+    octree.words[at] = first;
+    octree.words[at + 1] = kinds;
     for (std::uint32_t octant = 0; octant < 8; ++octant) {
       fill(static_cast<OctreeKind>((kinds >> (4 * octant)) & 15U),
-           first + units_before(kinds, octant), level + 1);
+           first + words_before(kinds, octant), level + 1);
     }
   }
 
@@ -140,7 +143,6 @@ class OctreeMaker {
     for (std::uint32_t k = 0; k < triangles; ++k) {
       TriangleByHand triangle;
       triangle.thin = below(random_, 4) == 0;
-      triangle.bare = below(random_, 2) == 0;
       for (auto& corner : triangle.corners) corner = random_corner();
       for (unsigned feature = 1; feature < 7; ++feature) {
         triangle.sides = static_cast<FeatureSides>(

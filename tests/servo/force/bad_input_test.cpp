@@ -31,7 +31,7 @@ ContactSettings settings_of(Method method, double stiffness) {
 
 /// The asset that a method can read.
 struct Assets {
-  test::TiledCubeByHand sparse{size};
+  test::SparseCubeByHand sparse{size};
   test::BoxByHand full{{size, size, size}};
 
   [[nodiscard]] const AssetView& of(Method method) const {
@@ -104,7 +104,7 @@ TEST_CASE("Stiffness that is zero, below zero or no number gives no force") {
 }
 
 TEST_CASE("In a place that the bake left out there is no force") {
-  test::TiledCubeByHand cube(size);
+  test::SparseCubeByHand cube(size);
   cube.octree.root_words = {test::root_word(OctreeKind::pruned, 0)};
   cube.refresh();
   for (const Method method : {Method::spm, Method::proxy}) {
@@ -127,7 +127,7 @@ TEST_CASE("Two objects in one place push twice as one, each with a model of its 
 }
 
 TEST_CASE("An asset without triangles gives no force") {
-  test::TiledCubeByHand cube(size);
+  test::SparseCubeByHand cube(size);
   test::clear_triangles(cube.octree);
   cube.refresh();
   for (const Method method : {Method::spm, Method::proxy}) {

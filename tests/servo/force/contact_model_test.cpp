@@ -28,7 +28,7 @@ ContactSettings settings_of(Method method) {
 }
 
 TEST_CASE("Without effects the model's force is the force law's") {
-  const test::TiledCubeByHand cube(size);
+  const test::SparseCubeByHand cube(size);
   ContactModel model(settings_of(Method::spm));
   for (int tick = 0; tick < 50; ++tick) {
     const Vector3 point = sliding(tick, 0.0015 - 4e-5 * tick, 1e-4);
@@ -41,7 +41,7 @@ TEST_CASE("Without effects the model's force is the force law's") {
 }
 
 TEST_CASE("A proxy's force is stiffness times how far the hand is from it, whatever the depth") {
-  const test::TiledCubeByHand cube(size);
+  const test::SparseCubeByHand cube(size);
   ContactModel model(settings_of(Method::proxy));
   for (int tick = 0; tick <= 100; ++tick) {
     const double depth = -0.001 + 1e-4 * tick;  // the band ends at 2 mm
@@ -54,7 +54,7 @@ TEST_CASE("A proxy's force is stiffness times how far the hand is from it, whate
 }
 
 TEST_CASE("Friction opposes sliding with mu N, is no more at rest, and ends with the contact") {
-  const test::TiledCubeByHand cube(size);
+  const test::SparseCubeByHand cube(size);
   for (const Method method : {Method::spm, Method::proxy}) {
     ContactSettings settings = settings_of(method);
     settings.effects.friction = {0.5, 0.4, 2000};
@@ -78,7 +78,7 @@ TEST_CASE("Friction opposes sliding with mu N, is no more at rest, and ends with
 }
 
 TEST_CASE("Damping takes from the hand while it moves in contact, and nothing outside") {
-  const test::TiledCubeByHand cube(size);
+  const test::SparseCubeByHand cube(size);
   ContactSettings settings = settings_of(Method::spm);
   settings.effects.damping = 2;
   ContactModel model(settings);
@@ -91,7 +91,7 @@ TEST_CASE("Damping takes from the hand while it moves in contact, and nothing ou
 }
 
 TEST_CASE("Texture is of the place: the same again, and none where its amplitude is 0") {
-  const test::TiledCubeByHand cube(size);
+  const test::SparseCubeByHand cube(size);
   ContactSettings settings = settings_of(Method::spm);
   settings.effects.texture = {50e-6, 1e-3, 7};
   ContactModel once(settings), again(settings);
@@ -161,7 +161,7 @@ TEST_CASE("By the paper's letter damping counts the ticks that were skipped") {
 }
 
 TEST_CASE("A model that continues another one holds the same plane where it has no time to look") {
-  const test::TiledCubeByHand cube(size);
+  const test::SparseCubeByHand cube(size);
   ContactModel before(settings_of(Method::spm));
   static_cast<void>(before.next(cube.view, {half - 0.003, 0.003, half - 0.001}));
   ContactSettings softer = settings_of(Method::spm);
@@ -176,7 +176,7 @@ TEST_CASE("A model that continues another one holds the same plane where it has 
 }
 
 TEST_CASE("Points that are not finite give nothing, and what came before is forgotten") {
-  const test::TiledCubeByHand cube(size);
+  const test::SparseCubeByHand cube(size);
   ContactSettings settings = settings_of(Method::proxy);
   settings.effects.friction = {0.5, 0.4, 2000};
   settings.effects.damping = 1;
@@ -192,7 +192,7 @@ TEST_CASE("Points that are not finite give nothing, and what came before is forg
 }
 
 TEST_CASE("Smoothing over a kernel leaves a plane as it is and rounds an edge") {
-  const test::TiledCubeByHand cube(size);
+  const test::SparseCubeByHand cube(size);
   ContactSettings settings = settings_of(Method::spm);
   settings.effects.smoothing = {100e-6, 9};
   ContactModel model(settings);
@@ -222,7 +222,7 @@ TEST_CASE("A turn is limited to its rate, unless the side itself changes") {
 }
 
 TEST_CASE("A limit on turns changes the direction of a force, and neither size nor a proxy") {
-  const test::TiledCubeByHand cube(size);
+  const test::SparseCubeByHand cube(size);
   for (const Method method : {Method::spm, Method::proxy}) {
     ContactSettings settings = settings_of(method);
     ContactModel plain(settings);
@@ -246,7 +246,7 @@ TEST_CASE("A limit on turns changes the direction of a force, and neither size n
 }
 
 TEST_CASE("A limit on turns holds for what a hand can do in a tick, not for single places") {
-  const test::TiledCubeByHand cube(size);
+  const test::SparseCubeByHand cube(size);
   ContactSettings settings = settings_of(Method::spm);
   ContactModel plain(settings);
   settings.effects.turn = {100, 2, 1e-3};
@@ -260,7 +260,7 @@ TEST_CASE("A limit on turns holds for what a hand can do in a tick, not for sing
 }
 
 TEST_CASE("A smoothed force is that of an energy: no closed path gains any") {
-  const test::TiledCubeByHand cube(size);
+  const test::SparseCubeByHand cube(size);
   const ForceSettings force = settings_of(Method::spm).force;
   const RuntimeSmoothing smoothing{100e-6, 9};
   double work = 0, swept = 0;

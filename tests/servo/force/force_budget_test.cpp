@@ -52,7 +52,7 @@ Vector3 hand_at(int at) {
 }  // namespace
 
 TEST_CASE("With time for all objects a budget changes no bit") {
-  const test::TiledCubeByHand cube(size);
+  const test::SparseCubeByHand cube(size);
   const ForceScene scene = crowd_of(4, Method::proxy);
   SceneForce free(scene, tick, 0), timed(scene, tick, 0);
   for (int at = 0; at < 500; ++at) {
@@ -65,7 +65,7 @@ TEST_CASE("With time for all objects a budget changes no bit") {
 }
 
 TEST_CASE("Without time for all touched objects each is exact in its turn, and none is left out") {
-  const test::TiledCubeByHand cube(size);
+  const test::SparseCubeByHand cube(size);
   SceneForce force(crowd_of(8, Method::spm), tick, 0);
   const Vector3 pressed(0.001, 0.002, half - 1e-3);
   const ContactForce all = force.next(Assets{&cube.view}, pressed);
@@ -83,7 +83,7 @@ TEST_CASE("Without time for all touched objects each is exact in its turn, and n
 }
 
 TEST_CASE("One object at least is exact, however late it is") {
-  const test::TiledCubeByHand cube(size);
+  const test::SparseCubeByHand cube(size);
   SceneForce force(crowd_of(3, Method::proxy), tick, 0);
   for (int at = 0; at < 300; ++at) {
     static_cast<void>(force.next(Assets{&cube.view}, hand_at(at), 1, time_for(0)));
@@ -92,7 +92,7 @@ TEST_CASE("One object at least is exact, however late it is") {
 }
 
 TEST_CASE("Too little time makes no step in the force that exactness does not make") {
-  const test::TiledCubeByHand cube(size);
+  const test::SparseCubeByHand cube(size);
   constexpr std::size_t count = 16;
   for (const Method method : {Method::spm, Method::proxy}) {
     for (const std::size_t time : {1U, 5U, 12U}) {
@@ -120,7 +120,7 @@ TEST_CASE("Too little time makes no step in the force that exactness does not ma
 }
 
 TEST_CASE("A tick that had too little time is computed again to the bit without a clock") {
-  const test::TiledCubeByHand cube(size);
+  const test::SparseCubeByHand cube(size);
   for (const Method method : {Method::spm, Method::proxy}) {
     const ForceScene scene = crowd_of(12, method);
     SceneForce live(scene, tick, 0), again(scene, tick, 0);
@@ -145,7 +145,7 @@ TEST_CASE("A tick that had too little time is computed again to the bit without 
 }
 
 TEST_CASE("A plane that is held moves with its object, and lets go where the hand leaves it") {
-  const test::TiledCubeByHand cube(size);
+  const test::SparseCubeByHand cube(size);
   SceneForce force(crowd_of(2, Method::spm), tick, 0);
   const Vector3 pressed(0.001, 0.002, half - 1e-3);
   static_cast<void>(force.next(Assets{&cube.view}, pressed));
@@ -164,7 +164,7 @@ TEST_CASE("A plane that is held moves with its object, and lets go where the han
 }
 
 TEST_CASE("A free hand is stopped by a surface that it meets while there is no time") {
-  const test::TiledCubeByHand cube(size);
+  const test::SparseCubeByHand cube(size);
   SceneForce force(crowd_of(6, Method::proxy), tick, 0);
   ForceBudget none;
   none.first = 0;

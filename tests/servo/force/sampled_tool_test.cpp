@@ -11,7 +11,7 @@
 namespace spm::sampled_tool_test {
 namespace {
 
-using test::TiledCubeByHand;
+using test::SparseCubeByHand;
 
 /// The form of a tool whose surface is triangles alone; it lies within a cube of 24 mm.
 struct Form {
@@ -20,11 +20,11 @@ struct Form {
 };
 
 std::vector<Form> forms() {
-  return {{"sphere", test::sphere(0.008, 3)},
-          {"peg", test::cylinder(0.003, 0.022, 64)},
+  return {{"sphere", test::sphere(0.008, 2)},
+          {"peg", test::cylinder(0.003, 0.022, 32)},
           {"plate", test::plate({0.02, 0.012, 0.001})},
           {"bar", test::box({0.021, 0.003, 0.0047})},
-          {"torus", test::torus(0.008, 0.0025, 48, 24)}};
+          {"torus", test::torus(0.008, 0.0025, 24, 12)}};
 }
 
 std::size_t samples_of(const AssetView& asset, std::size_t most) {
@@ -38,12 +38,8 @@ std::size_t samples_of(const AssetView& asset, std::size_t most) {
 
 TEST_CASE("A tool has at most so many samples as are asked for, and not far fewer") {
   for (const Form& form : forms()) {
-    TiledCubeByHand asset(0.024);
-    asset.by_hand.clear();
-    asset.octree =
-        triangle_octree(form.shape, {.low = asset.octree.origin, .edge = asset.octree.edge},
-                        asset.octree.lattice_step, true);
-    asset.refresh();
+    SparseCubeByHand asset(0.024);
+    asset.replace_triangles(form.shape);
     for (const std::size_t most : {6, 10, 50, 100, 333, 1000, 2500}) {
       CAPTURE(form.name, most);
       const std::size_t count = samples_of(asset.view, most);
@@ -54,7 +50,7 @@ TEST_CASE("A tool has at most so many samples as are asked for, and not far fewe
 }
 
 TEST_CASE("A cube, whose faces take up samples in squares, has the largest square that fits") {
-  const TiledCubeByHand cube(0.012);
+  const SparseCubeByHand cube(0.012);
   for (const std::size_t most : {6, 23, 24, 53, 54, 96, 100, 1000, 1080, 1090, 3000, 20'000}) {
     CAPTURE(most);
     const std::size_t count = samples_of(cube.view, most);
@@ -64,7 +60,7 @@ TEST_CASE("A cube, whose faces take up samples in squares, has the largest squar
 }
 
 TEST_CASE("Fewer samples than a tool can have are refused by the name of their key") {
-  const TiledCubeByHand cube(0.012);
+  const SparseCubeByHand cube(0.012);
   ToolSettings settings;
   settings.samples = 5;
   const auto few = SampledTool::make(cube.view, settings, 1, 1);

@@ -58,7 +58,7 @@ Vector3 sliding(int at, double depth, double step) {
 }
 
 TEST_CASE("A scene of one object in the hand's frame gives the contact model's force to the bit") {
-  const test::TiledCubeByHand cube(size);
+  const test::SparseCubeByHand cube(size);
   for (const Method method : {Method::spm, Method::proxy}) {
     EffectSettings effects;
     effects.friction = {0.5, 0.4, 2000};
@@ -79,7 +79,7 @@ TEST_CASE("A scene of one object in the hand's frame gives the contact model's f
 }
 
 TEST_CASE("What is known of the distance to a ball ends with the band, nearer by its radius") {
-  const test::TiledCubeByHand cube(size, {0.002, 0.004});
+  const test::SparseCubeByHand cube(size, {0.002, 0.004});
   PlacedObject object = object_of(Method::spm);
   object.force.probe_radius = 0.001;
   for (const double scale : {1.0, 2.0}) {
@@ -94,7 +94,7 @@ TEST_CASE("What is known of the distance to a ball ends with the band, nearer by
 }
 
 TEST_CASE("The forces of two objects add up, and the depth is that of the deeper one") {
-  const test::TiledCubeByHand cube(size);
+  const test::SparseCubeByHand cube(size);
   ForceScene scene;
   scene.objects = {object_of(Method::spm), object_of(Method::spm, 500)};
   // The second stands beside the first; its face -x lies 1 mm inside the first one's face +x, and
@@ -115,7 +115,7 @@ TEST_CASE("The forces of two objects add up, and the depth is that of the deeper
 }
 
 TEST_CASE("Each object reads the asset that it names") {
-  const test::TiledCubeByHand large(size), small(size / 2);
+  const test::SparseCubeByHand large(size), small(size / 2);
   ForceScene scene;
   scene.objects = {object_of(Method::spm), object_of(Method::spm)};
   scene.objects[0].asset = 1;
@@ -129,7 +129,7 @@ TEST_CASE("Each object reads the asset that it names") {
 }
 
 TEST_CASE("A scale makes an object larger and not softer, whatever its effects") {
-  const test::TiledCubeByHand cube(size);
+  const test::SparseCubeByHand cube(size);
   constexpr double scale = 2.5;
   for (const Method method : {Method::spm, Method::proxy}) {
     PlacedObject object = object_of(method);
@@ -137,7 +137,7 @@ TEST_CASE("A scale makes an object larger and not softer, whatever its effects")
     object.effects.damping = 2;
     object.effects.texture = {50e-6, 1e-3, 7};
     // The same cube, two and a half times as large in the asset's own metres.
-    const test::TiledCubeByHand grown(scale * size, {scale * 0.002, scale * 0.0005});
+    const test::SparseCubeByHand grown(scale * size, {scale * 0.002, scale * 0.0005});
     SceneForce wanted({{}, {object}}, tick, 20e-6);
     object.placement.scale = scale;
     SceneForce found({{}, {object}}, tick, 20e-6);
@@ -153,7 +153,7 @@ TEST_CASE("A scale makes an object larger and not softer, whatever its effects")
 }
 
 TEST_CASE("A probe's radius and the smoothing's are those of the world") {
-  const test::TiledCubeByHand cube(size);
+  const test::SparseCubeByHand cube(size);
   PlacedObject object = object_of(Method::spm);
   object.placement.scale = 2;
   object.force.probe_radius = 0.0006;
@@ -168,7 +168,7 @@ TEST_CASE("A probe's radius and the smoothing's are those of the world") {
 }
 
 TEST_CASE("A workspace turns, moves and scales the hand, and the force comes back into its frame") {
-  const test::TiledCubeByHand cube(size);
+  const test::SparseCubeByHand cube(size);
   ForceScene scene;
   scene.objects = {object_of(Method::spm)};
   scene.workspace.position = {0.01, 0.02, 0.03};
@@ -185,7 +185,7 @@ TEST_CASE("A workspace turns, moves and scales the hand, and the force comes bac
 }
 
 TEST_CASE("No object is felt stiffer than the cap, an added or a changed one neither") {
-  const test::TiledCubeByHand cube(size);
+  const test::SparseCubeByHand cube(size);
   ForceScene scene;
   scene.objects = {object_of(Method::spm, 3000)};
   scene.workspace.scale = 2;  // so that 1000 N/m of the hand are 500 of the world
@@ -201,7 +201,7 @@ TEST_CASE("No object is felt stiffer than the cap, an added or a changed one nei
 }
 
 TEST_CASE("However many objects lie in one place, all together are no stiffer than the cap") {
-  const test::TiledCubeByHand cube(size);
+  const test::SparseCubeByHand cube(size);
   PlacedObject object = object_of(Method::spm, 3000);
   object.effects.friction = {0.5, 0.4, 3000};
   ForceScene scene;
@@ -217,7 +217,7 @@ TEST_CASE("However many objects lie in one place, all together are no stiffer th
 }
 
 TEST_CASE("An object that is met while another is pressed makes no step of the force") {
-  const test::TiledCubeByHand cube(size);
+  const test::SparseCubeByHand cube(size);
   ForceScene scene;
   scene.objects = {object_of(Method::spm, 3000), object_of(Method::spm, 3000)};
   scene.objects[1].placement.position = {0, 0, -0.0005};
@@ -232,7 +232,7 @@ TEST_CASE("An object that is met while another is pressed makes no step of the f
 }
 
 TEST_CASE("Two walls of a groove at right angles are each as stiff as the cap allows") {
-  const test::TiledCubeByHand cube(size);
+  const test::SparseCubeByHand cube(size);
   ForceScene scene;
   scene.objects = {object_of(Method::spm, 3000), object_of(Method::spm, 3000)};
   scene.objects[1].placement.position = {size - 0.002, 0, -0.001 + size};
@@ -244,7 +244,7 @@ TEST_CASE("Two walls of a groove at right angles are each as stiff as the cap al
 }
 
 TEST_CASE("No damping is felt above the cap, of one object or of many") {
-  const test::TiledCubeByHand cube(size);
+  const test::SparseCubeByHand cube(size);
   PlacedObject object = object_of(Method::spm, 1000);
   object.effects.damping = 1000;
   for (const std::size_t count : {std::size_t{1}, std::size_t{60}}) {
@@ -260,7 +260,7 @@ TEST_CASE("No damping is felt above the cap, of one object or of many") {
 }
 
 TEST_CASE("A hand pressed past the middle of a plate stays on its side when what is felt changes") {
-  const test::TiledCubeByHand plate(0.001, {0.0005, 0.0005});
+  const test::SparseCubeByHand plate(0.001, {0.0005, 0.0005});
   const Vector3 above(0.0001, 0.0001, 0.0006), pressed(0.0001, 0.0001, -0.0003);
   for (const int change : {0, 1, 2}) {
     SceneForce force({{}, {object_of(Method::proxy)}}, tick, 0);
@@ -278,7 +278,7 @@ TEST_CASE("A hand pressed past the middle of a plate stays on its side when what
 }
 
 TEST_CASE("After ticks that were skipped a hand is as fast as it is") {
-  const test::TiledCubeByHand cube(size);
+  const test::SparseCubeByHand cube(size);
   PlacedObject object = object_of(Method::spm);
   object.effects.damping = 5;
   SceneForce force({{}, {object}}, tick, 0);
@@ -288,7 +288,7 @@ TEST_CASE("After ticks that were skipped a hand is as fast as it is") {
 }
 
 TEST_CASE("Friction, damping and texture each belong to their own object") {
-  const test::TiledCubeByHand cube(size);
+  const test::SparseCubeByHand cube(size);
   ForceScene scene;
   scene.objects = {object_of(Method::spm), object_of(Method::spm)};
   scene.objects[0].effects.friction = {0.4, 0.4, 5000};
@@ -306,7 +306,7 @@ TEST_CASE("Friction, damping and texture each belong to their own object") {
 }
 
 TEST_CASE("An object that was skipped while the hand was far answers as if it had been asked") {
-  const test::TiledCubeByHand cube(size);
+  const test::SparseCubeByHand cube(size);
   const Assets assets{&cube.view};
   for (const Method method : {Method::spm, Method::proxy}) {
     PlacedObject object = object_of(method);
@@ -326,7 +326,7 @@ TEST_CASE("An object that was skipped while the hand was far answers as if it ha
 }
 
 TEST_CASE("A proxy holds a hand that crosses the whole object between two ticks") {
-  const test::TiledCubeByHand cube(0.001);
+  const test::SparseCubeByHand cube(0.001);
   const Assets assets{&cube.view};
   SceneForce force({{}, {object_of(Method::proxy)}}, tick, 0);
   CHECK_FALSE(force.next(assets, {1e-4, 1e-4, 0.004}).contact);
@@ -337,7 +337,7 @@ TEST_CASE("A proxy holds a hand that crosses the whole object between two ticks"
 }
 
 TEST_CASE("An object that moves into a still hand pushes as if the hand had moved into it") {
-  const test::TiledCubeByHand cube(size);
+  const test::SparseCubeByHand cube(size);
   for (const Method method : {Method::spm, Method::proxy}) {
     const ForceScene scene{{}, {object_of(method)}};
     SceneForce pressed(scene, tick, 0), met(scene, tick, 0);
@@ -354,7 +354,7 @@ TEST_CASE("An object that moves into a still hand pushes as if the hand had move
 }
 
 TEST_CASE("What holds a hand moves with its object: carried together, the force stays") {
-  const test::TiledCubeByHand cube(size);
+  const test::SparseCubeByHand cube(size);
   for (const Method method : {Method::spm, Method::proxy}) {
     PlacedObject object = object_of(method);
     object.effects.friction = {0.5, 0.4, 2000};
@@ -374,7 +374,7 @@ TEST_CASE("What holds a hand moves with its object: carried together, the force 
 }
 
 TEST_CASE("Objects come and go while there is room, and one that went pushes no more") {
-  const test::TiledCubeByHand cube(size);
+  const test::SparseCubeByHand cube(size);
   SceneForce scene({{}, {object_of(Method::spm)}}, tick, 0, 2);
   PlacedObject second = object_of(Method::spm);
   second.placement.position = {0.1, 0, 0};
@@ -395,7 +395,7 @@ TEST_CASE("Objects come and go while there is room, and one that went pushes no 
 }
 
 TEST_CASE("What happens to an object that is pressed makes no step of the force") {
-  const test::TiledCubeByHand cube(size);
+  const test::SparseCubeByHand cube(size);
   const Vector3 hand(0.002, 0.003, half - 2e-3);
   const double most = change_rate * tick + 1e-9;
   SceneForce force({{}, {object_of(Method::proxy, 2000)}}, tick, 0, 2);
@@ -432,7 +432,7 @@ TEST_CASE("What happens to an object that is pressed makes no step of the force"
 }
 
 TEST_CASE("An object that is removed gives back no more than was pressed into it") {
-  const test::TiledCubeByHand cube(size);
+  const test::SparseCubeByHand cube(size);
   SceneForce force({{}, {object_of(Method::proxy, 2000)}}, tick, 0);
   // J: in by 2 mm within 40 ms, removed there, and out as fast.
   double energy = 0, before = 0;
@@ -448,7 +448,7 @@ TEST_CASE("An object that is removed gives back no more than was pressed into it
 }
 
 TEST_CASE("What a hand does to an object is told about the object's own origin") {
-  const test::TiledCubeByHand cube(size);
+  const test::SparseCubeByHand cube(size);
   PlacedObject object = object_of(Method::spm);
   object.placement.position = {0.1, 0.2, 0.3};
   SceneForce scene({{}, {object}}, tick, 0);
@@ -463,7 +463,7 @@ TEST_CASE("What a hand does to an object is told about the object's own origin")
 }
 
 TEST_CASE("Positions that are not finite or far beyond any object give nothing") {
-  const test::TiledCubeByHand cube(size);
+  const test::SparseCubeByHand cube(size);
   PlacedObject object = object_of(Method::spm);
   object.effects.damping = 1;
   SceneForce force({{}, {object, object}}, tick, 0);

@@ -38,7 +38,7 @@ StabilizationSettings stabilization_of(std::string_view words) {
 Vector3 sliding(int at) { return {-0.01 + 4e-5 * at, 0.003, half - 1e-3 * std::sin(0.02 * at)}; }
 
 TEST_CASE("With all stabilizers off a scene gives the forces that it gave, to the bit") {
-  const test::TiledCubeByHand cube(size);
+  const test::SparseCubeByHand cube(size);
   for (const Method method : {Method::spm, Method::proxy}) {
     StabilizationSettings off;
     off.delay_ticks = 3;
@@ -59,7 +59,7 @@ TEST_CASE("With all stabilizers off a scene gives the forces that it gave, to th
 }
 
 TEST_CASE("Through a coupling a side is as stiff as asked, and no stiffer than it lets through") {
-  const test::TiledCubeByHand cube(size);
+  const test::SparseCubeByHand cube(size);
   for (const Method method : {Method::spm, Method::proxy}) {
     for (const double coupling : {400.0, 1250.0, 1500.0, 4000.0}) {
       StabilizationSettings stabilization;
@@ -78,7 +78,7 @@ TEST_CASE("Through a coupling a side is as stiff as asked, and no stiffer than i
 }
 
 TEST_CASE("The stiffness that is felt through a coupling is the hand's, whatever the scales") {
-  const test::TiledCubeByHand cube(size);
+  const test::SparseCubeByHand cube(size);
   StabilizationSettings stabilization;
   stabilization.coupling = 1000;
   ForceScene scene = scene_of_cube(Method::spm, stabilization);
@@ -92,7 +92,7 @@ TEST_CASE("The stiffness that is felt through a coupling is the hand's, whatever
 }
 
 TEST_CASE("A coupling that is stiff enough changes nothing for a force without memory") {
-  const test::TiledCubeByHand cube(size);
+  const test::SparseCubeByHand cube(size);
   StabilizationSettings stabilization;
   stabilization.coupling = 2000;
   SceneForce bare(scene_of_cube(Method::spm), tick, 0);
@@ -106,7 +106,7 @@ TEST_CASE("A coupling that is stiff enough changes nothing for a force without m
 }
 
 TEST_CASE("Damping is matched to what is touched, at the hand") {
-  const test::TiledCubeByHand cube(size);
+  const test::SparseCubeByHand cube(size);
   ForceScene scene = scene_of_cube(Method::spm, stabilization_of("damping"));
   scene.objects.push_back(scene.objects[0]);
   scene.objects[1].placement.position = {0.1, 0, 0};
@@ -131,7 +131,7 @@ TEST_CASE("Damping is matched to what is touched, at the hand") {
 }
 
 TEST_CASE("Of one potential is the force of the lattice, whose turns are not limited") {
-  const test::TiledCubeByHand cube(size);
+  const test::SparseCubeByHand cube(size);
   StabilizationSettings stabilization;
   stabilization.potential = 2e-4;
   for (const double sigma : {0.0, 1e-4}) {
@@ -160,7 +160,7 @@ TEST_CASE("Of one potential is the force of the lattice, whose turns are not lim
 }
 
 TEST_CASE("Deeper than its band an object of one potential pushes as hard as any") {
-  const test::TiledCubeByHand cube(size);
+  const test::SparseCubeByHand cube(size);
   StabilizationSettings stabilization;
   stabilization.potential = 1e-4;
   SceneForce force(scene_of_cube(Method::spm, stabilization), tick, 0);
@@ -174,7 +174,7 @@ TEST_CASE("Deeper than its band an object of one potential pushes as hard as any
 }
 
 TEST_CASE("Stabilizers that a running scene is given are those of a scene that began with them") {
-  const test::TiledCubeByHand cube(size);
+  const test::SparseCubeByHand cube(size);
   const StabilizationSettings all = stabilization_of("damping+coupling+passivity+potential");
   SceneForce found(scene_of_cube(Method::spm), tick, 20e-6);
   SceneForce wanted(scene_of_cube(Method::spm, all), tick, 20e-6);
@@ -190,7 +190,7 @@ TEST_CASE("Stabilizers that a running scene is given are those of a scene that b
 }
 
 TEST_CASE("A velocity by difference shakes eq. 18's damping by encoder steps, the estimate not") {
-  const test::TiledCubeByHand cube(size);
+  const test::SparseCubeByHand cube(size);
   constexpr double step = 64e-6;
   const auto largest_step = [&](VelocityMethod velocity) {
     StabilizationSettings stabilization;
@@ -213,7 +213,7 @@ TEST_CASE("A velocity by difference shakes eq. 18's damping by encoder steps, th
 }
 
 TEST_CASE("An object that pushes a yielding hand is not taken for what the loop generates") {
-  const test::TiledCubeByHand cube(size);
+  const test::SparseCubeByHand cube(size);
   SceneForce bare(scene_of_cube(Method::spm), tick, 0);
   SceneForce stabilized(scene_of_cube(Method::spm, stabilization_of("passivity")), tick, 0);
   double largest = 0;
@@ -230,7 +230,7 @@ TEST_CASE("An object that pushes a yielding hand is not taken for what the loop 
 }
 
 TEST_CASE("With every stabilizer no position makes a force that is no number") {
-  const test::TiledCubeByHand cube(size);
+  const test::SparseCubeByHand cube(size);
   StabilizationSettings all = stabilization_of("damping+coupling+passivity+potential");
   all.coupling_damping = 1;
   for (const Method method : {Method::spm, Method::proxy}) {

@@ -91,9 +91,7 @@ Result<Opened> open(const std::string& scene, const RecordedDevice& device) {
     return fail(ExitCode::invalid_input, scene + ": names no [tool] asset to show; give one");
   }
   for (std::size_t i = 0; i < opened.choice.assets.size(); ++i) {
-    MapOptions map;
-    map.tiles = is_tool(opened.choice.scene, i);  // samples are made of them
-    auto asset = MappedAsset::open(opened.choice.assets[i], map);
+    auto asset = MappedAsset::open(opened.choice.assets[i]);
     if (!asset) return tl::make_unexpected(std::move(asset.error()));
     opened.views.push_back(&(*asset)->view());
     opened.assets.push_back(std::move(*asset));

@@ -18,7 +18,7 @@ namespace {
 using Eigen::Isometry3d;
 
 TEST_CASE("Ticks of contact, virtual tool, overlap and culling allocate, lock and write nothing") {
-  const test::TiledCubeByHand object(0.04), small(0.012);
+  const test::SparseCubeByHand object(0.04), small(0.012);
   const SurfaceSamples samples = *sample_surface(small.view, 0.0006);
   const SurfaceSamples others = *sample_surface(object.view, 0.002);
   const SupportHull hull1 = support_hull(others, 0.0005, 64);
@@ -48,7 +48,7 @@ TEST_CASE("Ticks of contact, virtual tool, overlap and culling allocate, lock an
 
 TEST_CASE(
     "A tick of a small tool among hundreds of objects allocates nothing, and feels them all") {
-  const test::TiledCubeByHand object(0.04), small(0.012);
+  const test::SparseCubeByHand object(0.04), small(0.012);
   const SurfaceSamples samples = *sample_surface(small.view, 0.006);
   constexpr std::size_t count = 600;
   ObjectContactSettings settings;
@@ -74,7 +74,7 @@ TEST_CASE(
 
 TEST_CASE(
     "A tick of a scene with every effect and stabilizer allocates, locks and writes nothing") {
-  const test::TiledCubeByHand cube(0.04);
+  const test::SparseCubeByHand cube(0.04);
   PlacedObject object;
   object.effects.friction = {0.5, 0.4, 2000};
   object.effects.damping = 2;

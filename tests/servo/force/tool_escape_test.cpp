@@ -14,19 +14,16 @@
 namespace spm::tool_escape_test {
 namespace {
 
-using test::TiledCubeByHand;
+using test::SparseCubeByHand;
 using test::ToolScene;
 
 // m; the table's and the tool's sizes.
 constexpr double big = ToolScene::table_size, small = ToolScene::tool_size;
 
 /// Makes a cube's field and surface those of another shape.
-void become(TiledCubeByHand& cube, const test::Shape& shape) {
-  cube.by_hand.clear();
+void become(SparseCubeByHand& cube, const test::Shape& shape) {
   cube.planes.clear();
-  cube.octree = test::triangle_octree(shape, {.low = cube.octree.origin, .edge = cube.octree.edge},
-                                      cube.octree.lattice_step, true);
-  cube.refresh();
+  cube.replace_triangles(shape);
 }
 
 test::Shape shape_of(const std::string& name) {
@@ -139,7 +136,7 @@ TEST_CASE("A tool that an object was put over is led out of it") {
 TEST_CASE(
     "A tool without a free way goes straight off its object, by the way to it and its own size") {
   constexpr double radius = small / 2, beside = 0.012, thin_margin = 1e-4;
-  TiledCubeByHand ball(small), cube(big, {0.002, thin_margin});
+  SparseCubeByHand ball(small), cube(big, {0.002, thin_margin});
   become(ball, test::sphere(radius, 2));
   const SurfaceSamples samples = *sample_surface(ball.view, 0.0015);
   const auto at = [](const Vector3& place) {

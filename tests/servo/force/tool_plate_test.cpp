@@ -14,10 +14,9 @@ using test::ToolScene;
 
 constexpr double thickness = 0.0002;
 
-/// A plate across z, of which only the wide faces are shown.
-void make_plate(test::TiledCubeByHand& cube) {
+/// A plate across z.
+void make_plate(test::SparseCubeByHand& cube) {
   for (std::size_t k : {4U, 5U}) cube.planes[k].x0 *= thickness / ToolScene::table_size;
-  cube.by_hand = {cube.by_hand[4], cube.by_hand[5]};
   cube.replace_triangles(test::box({ToolScene::table_size, ToolScene::table_size, thickness}));
 }
 

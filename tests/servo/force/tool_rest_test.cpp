@@ -20,7 +20,6 @@ constexpr double lies = thickness / 2 + ToolScene::tool_size / 2;
 struct AbovePlate : ToolScene {
   AbovePlate() {
     for (std::size_t k : {4U, 5U}) table.planes[k].x0 *= thickness / table_size;
-    table.by_hand = {table.by_hand[4], table.by_hand[5]};
     table.replace_triangles(test::box({table_size, table_size, thickness}));
     scene.objects[0].placement.position.setZero();
     begin();

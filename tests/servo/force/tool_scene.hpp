@@ -55,7 +55,7 @@ struct ToolScene {
     return contact;
   }
 
-  TiledCubeByHand table{table_size}, tool_cube{tool_size};
+  SparseCubeByHand table{table_size}, tool_cube{tool_size};
   std::array<const AssetView*, 2> assets{&table.view, &tool_cube.view};
   ForceScene scene;
   HandTurning turning;

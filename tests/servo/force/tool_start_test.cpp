@@ -10,7 +10,7 @@
 namespace spm::tool_start_test {
 namespace {
 
-using test::TiledCubeByHand;
+using test::SparseCubeByHand;
 using test::ToolScene;
 
 constexpr double rest = ToolScene::tool_size / 2;
@@ -219,16 +219,15 @@ TEST_CASE("A workspace's scale and turn take force and torque along, and no ener
 }
 
 TEST_CASE("An asset without surface, inside or as many samples as a tick can look at is refused") {
-  const TiledCubeByHand cube(0.012);
+  const SparseCubeByHand cube(0.012);
   ToolSettings settings;
   settings.spacing = 0.0006;
   CHECK(SampledTool::make(cube.view, settings, 1, 1).has_value());
   AssetView empty;
   CHECK_FALSE(SampledTool::make(empty, settings, 1, 1).has_value());
-  TiledCubeByHand sheet(0.012);
-  sheet.by_hand = {sheet.by_hand[4]};
-  sheet.replace_triangles({});
-  CHECK_FALSE(SampledTool::make(sheet.view, settings, 1, 1).has_value());
+  SparseCubeByHand empty_list(0.012);
+  empty_list.replace_triangles({});
+  CHECK_FALSE(SampledTool::make(empty_list.view, settings, 1, 1).has_value());
   settings.spacing = 0;
   settings.samples = 5'000'000;
   CHECK_FALSE(SampledTool::make(cube.view, settings, 1, 1).has_value());

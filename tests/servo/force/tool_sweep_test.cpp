@@ -25,7 +25,6 @@ Eigen::Quaterniond turned(double angle, const Vector3& axis) {
 struct PlateScene : ToolScene {
   explicit PlateScene(double tool_scale = 1) {
     for (std::size_t k : {4U, 5U}) table.planes[k].x0 *= thickness / table_size;
-    table.by_hand = {table.by_hand[4], table.by_hand[5]};
     table.replace_triangles(test::box({table_size, table_size, thickness}));
     scene.tool->spacing = 0.001;
     scene.tool->placement.scale = tool_scale;

@@ -14,7 +14,7 @@ namespace spm::two_tools_test {
 namespace {
 
 using test::RandomTwister;
-using test::TiledCubeByHand;
+using test::SparseCubeByHand;
 using test::ToolScene;
 
 constexpr double rest = ToolScene::tool_size / 2;
@@ -160,14 +160,10 @@ TEST_CASE("Two tools in one another's middle part, one after the other, and pres
   // 30 mm, far deeper than the band.
   const bool round = GENERATE(false, true);
   TwoTools tools;
-  TiledCubeByHand& tool = tools.one.tool_cube;
+  SparseCubeByHand& tool = tools.one.tool_cube;
   if (round) {
-    tool.octree = test::triangle_octree(test::sphere(rest, 2),
-                                        {.low = tool.octree.origin, .edge = tool.octree.edge},
-                                        tool.octree.lattice_step, true);
-    tool.by_hand.clear();
     tool.planes.clear();
-    tool.refresh();
+    tool.replace_triangles(test::sphere(rest, 2));
   }
   tools.one.scene.tool->placement.scale = 2.5;
   tools.one.scene.tool->spacing = 0.0008;

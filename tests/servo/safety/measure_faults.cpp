@@ -104,7 +104,7 @@ SceneForce scene_force(const ForceScene& scene) {
 
 /// Sixty objects in one place, each as stiff as the device may be.
 double stacked() {
-  const test::TiledCubeByHand cube(size);
+  const test::SparseCubeByHand cube(size);
   ForceScene scene;
   scene.objects.assign(60, object_of(Method::spm, cap));
   SceneForce force = scene_force(scene);
@@ -114,7 +114,7 @@ double stacked() {
 
 /// A hand that slides at 0.1 m/s over an object with a damping of 1000 N s/m.
 double damped() {
-  const test::TiledCubeByHand cube(size);
+  const test::SparseCubeByHand cube(size);
   PlacedObject object = object_of(Method::spm, 1000);
   object.effects.damping = 1000;
   SceneForce force = scene_force({{}, {object}});
@@ -127,7 +127,7 @@ double damped() {
 
 /// A hand above a plate of 1 mm presses past its middle, and what it feels is changed.
 Json past_the_middle() {
-  const test::TiledCubeByHand plate(0.001, {0.0005, 0.0005});
+  const test::SparseCubeByHand plate(0.001, {0.0005, 0.0005});
   const Assets assets{&plate.view};
   const Vector3 above(0.0001, 0.0001, 0.0006), below(0.0001, 0.0001, -0.0003);
   SceneForce force({{}, {object_of(Method::proxy, 1000)}}, tick, 0);

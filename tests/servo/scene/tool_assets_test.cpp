@@ -31,7 +31,7 @@ struct Opened {
   std::unique_ptr<SceneAssets> assets;
 
   explicit Opened(const std::string& scene = text) {
-    test::write(test::shape_asset(test::box({6e-3, 24e-3, 6e-3}), true), file("peg.spm.exr"));
+    test::write(test::shape_asset(test::box({6e-3, 24e-3, 6e-3})), file("peg.spm.exr"));
     test::write(test::shape_asset(test::sphere(0.02, 2)), file("ball.spm.exr"));
     save(scene);
     options.scene = file("scene.toml");
@@ -94,7 +94,7 @@ TEST_CASE(
   const SurfaceSamples& old = before->tool->samples();
   const double radius = old.radius;
   (*assets)->watch();
-  test::write(test::shape_asset(test::box({6e-3, 30e-3, 6e-3}), true), opened.file("peg.spm.exr"));
+  test::write(test::shape_asset(test::box({6e-3, 30e-3, 6e-3})), opened.file("peg.spm.exr"));
   REQUIRE(eventually([&] { return (*assets)->reports()[1].reloads == 1; }));
   // Not taken up yet: what the loop uses is still there.
   CHECK(old.radius == radius);

@@ -136,7 +136,7 @@ void fill_grid(Asset& asset) {
 
 }  // namespace
 
-Asset shape_asset(const Shape& shape, bool bare) {
+Asset shape_asset(const Shape& shape) {
   Asset asset = describe(shape);
   asset.triangles.clear();
   const double margin = band.margin + 2e-3;
@@ -145,7 +145,7 @@ Asset shape_asset(const Shape& shape, bool bare) {
       triangle_octree(shape,
                       {.low = metadata.box_min - Vector3::Constant(margin),
                        .edge = (metadata.box_max - metadata.box_min).maxCoeff() + 2 * margin},
-                      metadata.tolerance.value(), bare);
+                      metadata.tolerance.value());
   return asset;
 }
 

@@ -10,8 +10,7 @@ namespace spm::test {
 
 /// An asset of a shape, made without the baker: exact triangles in every cell of the band. 2 mm of
 /// depth, 1 mm of margin, probes up to 0.5 mm. For shapes of some hundred triangles.
-/// `bare`: no tile covers any triangle, so that the triangles can be sampled as a tool's surface.
-[[nodiscard]] Asset shape_asset(const Shape& shape, bool bare = false);
+[[nodiscard]] Asset shape_asset(const Shape& shape);
 
 /// A box with edges of `size` as a `full` asset: one support plane per face, maps of distance 0.
 [[nodiscard]] Asset box_asset(double size);

@@ -29,13 +29,21 @@ StabilityCase baked_object(const SixdofCase& tried, const test::Shape& shape) {
   return made;
 }
 
-/// A tool's surface as an asset of its triangles. Nothing is asked about its inside, so it need not
-/// be baked.
+/// A tool as an asset of its triangles alone.
 Asset asset_of(const test::Shape& tool) {
   Asset asset;
   asset.metadata.tolerance = rounding;
   asset.metadata.closed = true;
-  asset.octree = test::triangle_octree(tool, {.edge = 1}, rounding, true);
+  Vector3 low = tool.vertices.front(), high = low;
+  for (const Vector3& vertex : tool.vertices) {
+    low = low.cwiseMin(vertex);
+    high = high.cwiseMax(vertex);
+  }
+  asset.metadata.box_min = low;
+  asset.metadata.box_max = high;
+  const double around = (high - low).maxCoeff() / 10;
+  asset.octree = test::triangle_octree(
+      tool, {low - Vector3::Constant(around), (high - low).maxCoeff() + 2 * around}, rounding);
   return asset;
 }
 

@@ -25,7 +25,7 @@ namespace {
 /// A peg on a ball of 20 mm, held 12 mm above its tip.
 struct PegOnBall {
   Asset ball = test::shape_asset(test::sphere(0.02, 2));
-  Asset peg = test::shape_asset(test::box({6e-3, 24e-3, 6e-3}), true);
+  Asset peg = test::shape_asset(test::box({6e-3, 24e-3, 6e-3}));
   AssetTables ball_tables = tables_of(ball), peg_tables = tables_of(peg);
   std::array<const AssetView*, 2> assets{&ball_tables.view(), &peg_tables.view()};
   ForceScene scene = scene_of({});

@@ -1,10 +1,9 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "servo/view/surface_mesh.hpp"
+#include "common/contour/contour_mesh.hpp"
 
 #include <Eigen/Geometry>
 #include <algorithm>
 #include <catch2/catch.hpp>
-#include <cstring>
 #include <map>
 #include <numbers>
 #include <utility>
@@ -13,26 +12,25 @@
 #include "tests/servo/support/shape_asset.hpp"
 #include "tests/support/shapes.hpp"
 
-namespace surface_mesh_test {
+namespace contour_mesh_test {
 
 using namespace spm;
-using namespace spm::servo;
 
 namespace {
 
 constexpr int cells = 24;
 
-SurfaceMesh mesh_of(const Asset& asset) {
+ContourMesh mesh_of(const Asset& asset) {
   const AssetTables tables = tables_of(asset);
-  return surface_mesh(tables.view(), cells);
+  return contour_mesh(tables.view(), cells);
 }
 
-Vector3 corner(const SurfaceMesh& mesh, std::size_t number) {
+Vector3 corner(const ContourMesh& mesh, std::size_t number) {
   const auto& at = mesh.vertices[number];
   return {at[0], at[1], at[2]};
 }
 
-double volume_of(const SurfaceMesh& mesh) {
+double volume_of(const ContourMesh& mesh) {
   double volume = 0;
   for (std::size_t i = 0; i < mesh.triangles.size(); i += 3) {
     volume +=
@@ -43,7 +41,7 @@ double volume_of(const SurfaceMesh& mesh) {
 }
 
 /// How often each side of a triangle is run through, by its two corners.
-std::map<std::pair<std::uint32_t, std::uint32_t>, int> sides_of(const SurfaceMesh& mesh) {
+std::map<std::pair<std::uint32_t, std::uint32_t>, int> sides_of(const ContourMesh& mesh) {
   std::map<std::pair<std::uint32_t, std::uint32_t>, int> sides;
   for (std::size_t i = 0; i < mesh.triangles.size(); i += 3) {
     for (std::size_t k = 0; k < 3; ++k) {
@@ -54,7 +52,7 @@ std::map<std::pair<std::uint32_t, std::uint32_t>, int> sides_of(const SurfaceMes
 }
 
 /// Sides that no triangle beside runs through the other way.
-int open_sides(const SurfaceMesh& mesh) {
+int open_sides(const ContourMesh& mesh) {
   auto sides = sides_of(mesh);
   int open = 0;
   for (const auto& [side, times] : sides_of(mesh)) {
@@ -123,7 +121,7 @@ TEST_CASE("Walls that are thinner than a cell of the grid are drawn whole, both 
       is_bowl ? bowl(0.02, wall) : turned(test::plate(Vector3(0.04, 0.04, wall)));
   const Asset asset = test::shape_asset(shape);
   const AssetTables tables = tables_of(asset);
-  const SurfaceMesh mesh = surface_mesh(tables.view(), cells);
+  const ContourMesh mesh = contour_mesh(tables.view(), cells);
   REQUIRE(mesh.cell > 1.5 * wall);
   CHECK(open_sides(mesh) == 0);
   CHECK(volume_of(mesh) == Approx(volume_of(shape)).epsilon(0.1));
@@ -136,7 +134,7 @@ TEST_CASE("Walls that are thinner than a cell of the grid are drawn whole, both 
 }
 
 TEST_CASE("The mesh of a box is closed, faces outward and has the box's volume and its corners") {
-  const SurfaceMesh mesh = mesh_of(test::box_asset(0.04));
+  const ContourMesh mesh = mesh_of(test::box_asset(0.04));
   REQUIRE(mesh.triangles.size() > 3000);
   for (const auto& [side, times] : sides_of(mesh)) REQUIRE(times == 1);
   CHECK(open_sides(mesh) == 0);
@@ -152,27 +150,13 @@ TEST_CASE("The mesh of a box is closed, faces outward and has the box's volume a
 TEST_CASE("The vertices of a round surface lie on it, by the field that forces come from") {
   const Asset asset = test::shape_asset(test::sphere(0.02, 2));
   const AssetTables tables = tables_of(asset);
-  const SurfaceMesh mesh = surface_mesh(tables.view(), cells);
+  const ContourMesh mesh = contour_mesh(tables.view(), cells);
   REQUIRE(!mesh.vertices.empty());
   for (std::size_t i = 0; i < mesh.vertices.size(); ++i) {
     const Answer answer = query_point(tables.view(), corner(mesh, i));
     REQUIRE(answer.status == Status::exact);
-    REQUIRE(std::abs(answer.distance) < 0.1 * mesh.cell);
+    REQUIRE(std::abs(answer.distance) < 1e-3 * mesh.cell);
   }
 }
 
-TEST_CASE("A mesh's bytes are its counts, vertices and corners") {
-  SurfaceMesh mesh;
-  mesh.vertices = {{1, 2, 3}, {4, 5, 6}, {7, 8, 9}};
-  mesh.triangles = {0, 1, 2};
-  const std::string bytes = to_bytes(mesh);
-  REQUIRE(bytes.size() == 8 + 36 + 12);
-  std::array<std::uint32_t, 2> counts{};
-  std::memcpy(counts.data(), bytes.data(), 8);
-  CHECK(counts == std::array<std::uint32_t, 2>{3, 1});
-  float last = 0;
-  std::memcpy(&last, bytes.data() + 40, 4);
-  CHECK(last == 9);
-}
-
-}  // namespace surface_mesh_test
+}  // namespace contour_mesh_test

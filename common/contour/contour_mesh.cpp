@@ -1,9 +1,8 @@
 // SPDX-License-Identifier: Apache-2.0
-#include "servo/view/surface_mesh.hpp"
+#include "common/contour/contour_mesh.hpp"
 
 #include <Eigen/Dense>
 #include <algorithm>
-#include <bit>
 #include <cmath>
 #include <limits>
 #include <span>
@@ -13,7 +12,7 @@
 
 #include "common/query/query.hpp"
 
-namespace spm::servo {
+namespace spm {
 
 namespace {
 
@@ -89,7 +88,7 @@ class Contour {
     cells_.resize(corners(), none);
   }
 
-  SurfaceMesh make() {
+  ContourMesh make() {
     for (int z = 0; z <= counts_[2]; z += block) {
       for (int y = 0; y <= counts_[1]; y += block) {
         for (int x = 0; x <= counts_[0]; x += block) look_at({x, y, z});
@@ -102,6 +101,7 @@ class Contour {
     for (const auto& [cell, sheets] : split_) {
       reach_for_rim(cell, sheets);
     }
+    for (std::size_t i = 0; i < mesh_.vertices.size(); ++i) settle(i);
     mesh_.cell = cell_;
     return std::move(mesh_);
   }
@@ -110,8 +110,7 @@ class Contour {
   /// The mesh's own box where it is known: that of the band may be far larger.
   static Extent drawn_box(const AssetView& asset) noexcept {
     const bool known = asset.box_low.allFinite() && asset.box_high.allFinite();
-    const Extent band = extent_of(asset);
-    if (!known || !(asset.box_low.array() <= asset.box_high.array()).all()) return band;
+    if (!known || !(asset.box_low.array() <= asset.box_high.array()).all()) return extent_of(asset);
     return {asset.box_low, asset.box_high - asset.box_low};
   }
 
@@ -321,6 +320,16 @@ class Contour {
     }
   }
 
+  /// Moves a vertex onto the surface, which bends within its cell.
+  void settle(std::size_t vertex) {
+    const Vector3 at = at_vertex(static_cast<std::uint32_t>(vertex));
+    const Answer answer = query_point(asset_, at);
+    if (answer.status != Status::exact || !(std::abs(answer.distance) < cell_)) return;
+    const Vector3 on = at - answer.distance * answer.normal;
+    mesh_.vertices[vertex] = {static_cast<float>(on[0]), static_cast<float>(on[1]),
+                              static_cast<float>(on[2])};
+  }
+
   /// A quadrangle between the four cells about each crossing.
   void span_quads() {
     for (std::size_t i = 0; i < crossings_.size(); ++i) {
@@ -417,30 +426,13 @@ class Contour {
   std::unordered_map<std::uint32_t, Sheets> split_;  ///< by that number: cells with two vertices
   std::vector<std::uint32_t> quads_;                 ///< vertices, four for each crossing
   std::vector<Side> sides_;
-  SurfaceMesh mesh_;
+  ContourMesh mesh_;
 };
-
-template <class T>
-void append(std::string& bytes, const T* first, std::size_t count) {
-  static_assert(std::endian::native == std::endian::little);
-  bytes.append(reinterpret_cast<const char*>(first), count * sizeof(T));
-}
 
 }  // namespace
 
-SurfaceMesh surface_mesh(const AssetView& asset, int cells) {
+ContourMesh contour_mesh(const AssetView& asset, int cells) {
   return Contour(asset, std::max(1, cells)).make();
 }
 
-std::string to_bytes(const SurfaceMesh& mesh) {
-  std::string bytes;
-  const std::array<std::uint32_t, 2> counts{static_cast<std::uint32_t>(mesh.vertices.size()),
-                                            static_cast<std::uint32_t>(mesh.triangles.size() / 3)};
-  bytes.reserve(8 + 12 * mesh.vertices.size() + 4 * mesh.triangles.size());
-  append(bytes, counts.data(), counts.size());
-  append(bytes, mesh.vertices.data(), mesh.vertices.size());
-  append(bytes, mesh.triangles.data(), mesh.triangles.size());
-  return bytes;
-}
-
-}  // namespace spm::servo
+}  // namespace spm
