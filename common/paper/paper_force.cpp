@@ -6,6 +6,8 @@
 #include <cstddef>
 #include <limits>
 
+#include "common/asset/grid_list.hpp"
+
 // Highway compiles what follows once for each kind of processor, by including this file again.
 #undef HWY_TARGET_INCLUDE
 #define HWY_TARGET_INCLUDE "common/paper/paper_force.cpp"
@@ -161,6 +163,24 @@ PaperContact paper_contact_on_plane(const AssetView& asset, std::size_t index,
   return found;
 }
 
+std::size_t closest_plane_of_cell(const AssetView& asset, const Vector3& point) noexcept {
+  const std::uint32_t word = grid_word_at(asset.grid, point);
+  std::size_t closest = asset.planes.size();
+  double least = infinity;
+  if (static_cast<CellKind>(word >> 30U) == CellKind::record && !is_split(word)) {
+    const GridList list(asset.grid, word);
+    for (std::uint32_t k = 0; k < list.maps(); ++k) {
+      const std::size_t map = unpack_candidate(list.map(k)).map;
+      if (map >= asset.planes.size()) continue;
+      const double depth = support_plane_depth(asset.planes[map], point);
+      if (depth > least || (depth == least && map > closest)) continue;
+      least = depth;
+      closest = map;
+    }
+  }
+  return closest < asset.planes.size() ? closest : closest_support_plane(asset, point);
+}
+
 PaperContact paper_contact(const AssetView& asset, const Vector3& point, PaperRule rule) noexcept {
   if (!asset.maps_every_plane()) return {};
   switch (rule) {
@@ -168,6 +188,8 @@ PaperContact paper_contact(const AssetView& asset, const Vector3& point, PaperRu
       return closest_surface(asset, point);
     case PaperRule::all_planes:
       return all_planes(asset, point);
+    case PaperRule::partition:
+      return paper_contact_on_plane(asset, closest_plane_of_cell(asset, point), point);
     case PaperRule::closest_plane:
       break;
   }

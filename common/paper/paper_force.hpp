@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <array>
 #include <cstddef>
 #include <cstdint>
 
@@ -14,7 +15,11 @@ enum class PaperRule : std::uint8_t {
   closest_plane,    ///< the plane closest to the point, smallest S_SP; the default reading
   closest_surface,  ///< the plane whose mapped surface is closest, smallest |S_SP - D_SP|
   all_planes,       ///< contact only where every plane reports it; uses the smallest depth
+  partition,        ///< as closest_plane, among those that the partition of space has for the place
 };
+/// As options and scenes name them, in that order.
+inline constexpr std::array<const char*, 4> paper_rule_words{"closest-plane", "closest-surface",
+                                                             "all-planes", "partition"};
 
 /// Result of the paper's rule at a point.
 struct PaperContact {
@@ -29,6 +34,11 @@ struct PaperContact {
 /// Index of the plane closest to the point, that is with the smallest S_SP; the lowest index in a
 /// tie. Evaluates all planes. `asset` must be a `full` one.
 [[nodiscard]] std::size_t closest_support_plane(const AssetView& asset,
+                                                const Vector3& point) noexcept;
+
+/// The same among the planes whose maps the grid's cell around the point lists: the partition of
+/// space that section 5.2 proposes in place of all planes. All of them where it lists none.
+[[nodiscard]] std::size_t closest_plane_of_cell(const AssetView& asset,
                                                 const Vector3& point) noexcept;
 
 /// Contact by the paper's rule on the scalar map (layer 0) of a `full` asset, eq. 3 to 8. The point

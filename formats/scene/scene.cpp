@@ -79,11 +79,8 @@ SceneObject read_object(TableReader&& reader, const Scene& scene) {
   if (const auto word = reader.word("method", {"spm", "proxy", "paper"})) {
     object.method = methods[*word];
   }
-  constexpr std::array rules{PaperRule::closest_plane, PaperRule::closest_surface,
-                             PaperRule::all_planes};
-  if (const auto word =
-          reader.word("paper_rule", {"closest-plane", "closest-surface", "all-planes"})) {
-    object.rule = rules[*word];
+  if (const auto word = reader.word("paper_rule", std::span(paper_rule_words))) {
+    object.rule = static_cast<PaperRule>(*word);
   }
   object.density = reader.number("density", 0, max_density, object.density);
   std::optional<double> chosen;

@@ -73,11 +73,10 @@ std::string TableReader::text(const char* key, const std::string& example) {
   return {};
 }
 
-std::optional<std::size_t> TableReader::word(const char* key,
-                                             std::initializer_list<const char*> words) {
+std::optional<std::size_t> TableReader::word(const char* key, std::span<const char* const> words) {
   const std::string found = text(key, *words.begin());
   if (found.empty()) return std::nullopt;
-  const auto* at = std::find(words.begin(), words.end(), found);
+  const auto at = std::find(words.begin(), words.end(), found);
   if (at != words.end()) return static_cast<std::size_t>(at - words.begin());
   std::string cause = in_quotes(key) + " " + in_quotes(found) + " is not known; it can be";
   for (const char* each : words) cause += std::string(" ") + each;

@@ -6,6 +6,7 @@
 #include <cstdint>
 #include <initializer_list>
 #include <optional>
+#include <span>
 #include <string>
 #include <vector>
 
@@ -40,7 +41,11 @@ class TableReader {
 
   /// Index of the text among the words.
   [[nodiscard]] std::optional<std::size_t> word(const char* key,
-                                                std::initializer_list<const char*> words);
+                                                std::span<const char* const> words);
+  [[nodiscard]] std::optional<std::size_t> word(const char* key,
+                                                std::initializer_list<const char*> words) {
+    return word(key, std::span(words.begin(), words.size()));
+  }
 
   /// A quantity with its unit, SI. `also`: what else the key may say, as messages end.
   [[nodiscard]] double quantity(const char* key, Quantity kind, const std::string& example,

@@ -31,11 +31,9 @@ void add_force_options(CLI::App& command, ForceOptions& options) {
       "How forces are made: proxy (default), by a point that the surface holds back; spm, by the "
       "depth in the surface; or paper, the paper's equations to the letter, for assets baked with "
       "--form full. spm and paper without a scene are not stabilized");
-  constexpr std::array rules{PaperRule::closest_plane, PaperRule::closest_surface,
-                             PaperRule::all_planes};
   cli::add_word(
-      command, "--paper-rule", {"closest-plane", "closest-surface", "all-planes"},
-      [&options, rules](std::size_t i) { options.rule = rules[i]; },
+      command, "--paper-rule", {paper_rule_words.begin(), paper_rule_words.end()},
+      [&options](std::size_t i) { options.rule = static_cast<PaperRule>(i); },
       "Reading of the paper's rule that picks the plane (default closest-plane)");
   cli::add_parsed(
       command, "--stiffness",

@@ -26,7 +26,7 @@ static_assert(sizeof(ToolSettings) == 144);
 constexpr double huge = 1e12;
 constexpr double unit_slack = 1e-6;
 constexpr std::array<const char*, 3> methods{"spm", "paper", "proxy"};
-constexpr std::array<const char*, 3> rules{"closest-plane", "closest-surface", "all-planes"};
+constexpr auto rules = paper_rule_words;
 constexpr std::array<const char*, 2> probe_forms_recorded{"surface", "volume"};
 constexpr std::array<const char*, 2> probe_kinds{"ball", "capsule"};
 constexpr std::array<const char*, 2> velocities{"estimate", "difference"};

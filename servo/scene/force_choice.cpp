@@ -286,15 +286,7 @@ const char* to_string(Method method) noexcept {
 }
 
 const char* to_string(PaperRule rule) noexcept {
-  switch (rule) {
-    case PaperRule::closest_plane:
-      return "closest-plane";
-    case PaperRule::closest_surface:
-      return "closest-surface";
-    case PaperRule::all_planes:
-      return "all-planes";
-  }
-  return "";
+  return paper_rule_words.at(static_cast<std::size_t>(rule));
 }
 
 const char* to_string(PaperProbeForm form) noexcept {

@@ -111,6 +111,26 @@ TEST_CASE("The reading all-planes is an AND: one plane that sees nothing there f
   CHECK_FALSE(paper_contact(box.view, point, PaperRule::all_planes).contact);
 }
 
+TEST_CASE("By the partition the closest of the planes that a cell lists is taken, else of all") {
+  BoxByHand box(size);
+  const Vector3 point(0.005, 0.002, 0.028);  // nearest to the plane of +z
+  REQUIRE(paper_contact(box.view, point, PaperRule::closest_plane).plane == 4);
+  CHECK(paper_contact(box.view, point, PaperRule::partition).plane == 4);
+  box.records = {list_header(2, 0), pack_candidate({0, 0}), pack_candidate({1, 0})};
+  box.refresh();
+  const PaperContact found = paper_contact(box.view, point, PaperRule::partition);
+  CHECK(found.plane == 0);
+  CHECK(found.contact);
+  CHECK(found.depth == Approx(size.x() / 2 - 0.005));
+  // A cell that lists nothing, and none at all.
+  box.records = {list_header(0, 0)};
+  box.refresh();
+  CHECK(paper_contact(box.view, point, PaperRule::partition).plane == 4);
+  box.index = {static_cast<std::uint32_t>(CellKind::far) << 30U};
+  box.refresh();
+  CHECK(paper_contact(box.view, point, PaperRule::partition).plane == 4);
+}
+
 TEST_CASE("Beside a silhouette the nearest sample decides, not a blend with a miss") {
   BoxByHand box(size);
   box.by_hand[4].samples[8 * 17 + 9] = no_hit;

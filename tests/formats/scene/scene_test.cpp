@@ -219,7 +219,7 @@ TEST_CASE("What is wrong in an object's effects is told by its line, cause and c
            Case{"method = \"voxels\"", "it can be spm proxy paper"},
            Case{"method = 3", "must be text"},
            Case{"density = -1", "0 to 1000"},
-           Case{"paper_rule = \"best\"", "closest-plane closest-surface all-planes"},
+           Case{"paper_rule = \"best\"", "closest-plane closest-surface all-planes partition"},
            Case{"scale = -1", "mirrored"},
            Case{"scale = 1e7", "from 1e-6 to 1e6"},
            Case{"scale = 1e-7", "from 1e-6 to 1e6"},
