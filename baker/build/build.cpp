@@ -418,8 +418,7 @@ std::string answers_text(const Json& answers) {
   const auto percent = [&answers](const char* what) { return 100 * answers[what].get<double>(); };
   return fmt::format(
       "{:.1f} % of the volume by one distance map, {:.1f} % by two, {:.1f} % by polynomials, "
-      "{:.1f} "
-      "% by triangles",
+      "{:.1f} % by triangles",
       percent("one_map"), percent("two_maps"), percent("polynomials"), percent("triangles"));
 }
 

@@ -59,24 +59,34 @@ std::array<double, near_side * near_side> whole_filter() {
   return filter;
 }
 
+/// A chart's box on its plane, in steps.
+struct ChartBox {
+  std::array<double, 2> low{}, high{};
+};
+
+ChartBox box_of(const OuterSurface& surface, const SupportPlane& plane, const PlaneChart& chart,
+                double step) {
+  constexpr double far = std::numeric_limits<double>::infinity();
+  ChartBox box{{far, far}, {-far, -far}};
+  for (const std::uint32_t t : chart.triangles) {
+    for (const std::uint32_t v : surface.triangles[t]) {
+      const PlaneCoordinates at = project_on_plane(plane, surface.vertices[v]);
+      const std::array<double, 2> place{at.eta / step, at.omega / step};
+      for (std::size_t k = 0; k < 2; ++k) {
+        box.low[k] = std::min(box.low[k], place[k]);
+        box.high[k] = std::max(box.high[k], place[k]);
+      }
+    }
+  }
+  return box;
+}
+
 /// Where rays along a plane's normal meet a chart: depths below the plane, m.
 class Hits {
  public:
   Hits(const OuterSurface& surface, const SupportPlane& plane, const PlaneChart& chart, double step)
       : surface_(surface), plane_(plane), step_(step) {
-    std::array<double, 2> low{0, 0}, high{0, 0};
-    bool first = true;
-    for (const std::uint32_t t : chart.triangles) {
-      for (const std::uint32_t v : surface.triangles[t]) {
-        const PlaneCoordinates at = project_on_plane(plane, surface.vertices[v]);
-        const std::array<double, 2> place{at.eta / step, at.omega / step};
-        for (std::size_t k = 0; k < 2; ++k) {
-          low[k] = first ? place[k] : std::min(low[k], place[k]);
-          high[k] = first ? place[k] : std::max(high[k], place[k]);
-        }
-        first = false;
-      }
-    }
+    const auto [low, high] = box_of(surface, plane, chart, step);
     // From an even one on, which a height lies at.
     const auto start = [](double x) { return 2 * static_cast<std::int32_t>(std::floor(x / 2)); };
     column0 = start(low[0]);
@@ -293,19 +303,7 @@ HeightGrid ChartHeights::flat_grid(std::uint32_t chart, double spacing) const {
   constexpr std::int32_t border = 3;
   const PlaneChart& known = charts_.charts()[chart];
   const FlatChart& flat = flat_[chart];
-  std::array<double, 2> low{}, high{};
-  bool first = true;
-  for (const std::uint32_t t : known.triangles) {
-    for (const std::uint32_t v : surface_.triangles[t]) {
-      const PlaneCoordinates at = project_on_plane(planes_[known.plane], surface_.vertices[v]);
-      const std::array<double, 2> place{at.eta / spacing, at.omega / spacing};
-      for (std::size_t k = 0; k < 2; ++k) {
-        low[k] = first ? place[k] : std::min(low[k], place[k]);
-        high[k] = first ? place[k] : std::max(high[k], place[k]);
-      }
-      first = false;
-    }
-  }
+  const auto [low, high] = box_of(surface_, planes_[known.plane], known, spacing);
   HeightGrid grid;
   grid.spacing = spacing;
   grid.column0 = static_cast<std::int32_t>(std::floor(low[0])) - border;

@@ -12,6 +12,7 @@
 #include "baker/pictures/export.hpp"
 #include "common/base/units.hpp"
 #include "common/contour/contour_mesh.hpp"
+#include "common/contour/surface_box.hpp"
 #include "formats/asset/asset.hpp"
 #include "formats/asset/asset_writer.hpp"
 #include "formats/asset/mapped_asset.hpp"
@@ -35,7 +36,7 @@ constexpr int chosen_cells = 240, most_cells = 500;
 
 /// Cells of the asked edge along the longest one.
 int cells_of(const AssetView& view, double cell) {
-  const double longest = (view.box_high - view.box_low).maxCoeff();
+  const double longest = surface_box(view).size.maxCoeff();
   if (!(longest / cell <= most_cells)) {
     throw BakeError(ExitCode::usage,
                     fmt::format("--cell: the surface is {} wide, so it must be at least {}",

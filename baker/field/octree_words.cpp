@@ -54,6 +54,13 @@ class Writer {
     return atlas_.number(chart, node.cube.middle, node.cube.half);
   }
 
+  /// Of the maps that answer in a cube.
+  [[nodiscard]] std::uint32_t word_of(const OctreeNode& node) const {
+    const std::uint32_t first = number_of(node, node.charts.front());
+    if (node.charts.size() == 1) return word_of_map(first);
+    return word_of_maps(first, number_of(node, node.charts.back()), node.larger);
+  }
+
   std::uint32_t reserve(std::size_t words) {
     const auto first = static_cast<std::uint32_t>(data_.words.size());
     if (first > 0x0FFFFFFF - 64) {
@@ -89,11 +96,7 @@ class Writer {
         data_.words[at] = list_of(node, data_.words[at + 1]);
         break;
       case OctreeKind::map:
-        data_.words[at] = word_of_map(number_of(node, node.charts.front()));
-        if (node.charts.size() > 1) {
-          data_.words[at] =
-              word_of_maps(data_.words[at], number_of(node, node.charts.back()), node.larger);
-        }
+        data_.words[at] = word_of(node);
         ++(node.charts.size() > 1 ? built_.counts.map_pairs : built_.counts.maps);
         (node.charts.size() > 1 ? built_.counts.map_pair_volume : built_.counts.map_volume) +=
             volume;

@@ -29,8 +29,7 @@ using Colour = std::array<double, 3>;
 /// A relief of the distance maps of one plane, seen along the plane's normal, with u to the right
 /// and v upward. Each pixel shows the crossing nearest to the plane, coloured by its distance
 /// (bright is near) and shaded from the upper left. Dark grey where no map of the plane
-/// answers.
-/// `longest_side` in pixels.
+/// answers. `longest_side` in pixels.
 [[nodiscard]] Picture plane_picture(const AssetView& asset, std::size_t plane,
                                     std::uint32_t longest_side);
 

@@ -10,6 +10,7 @@
 #include <unordered_map>
 #include <utility>
 
+#include "common/contour/surface_box.hpp"
 #include "common/query/query.hpp"
 
 namespace spm {
@@ -77,7 +78,7 @@ struct Sheets {
 class Contour {
  public:
   Contour(const AssetView& asset, int cells) : asset_(asset) {
-    const Extent box = drawn_box(asset);
+    const Extent box = surface_box(asset);
     cell_ = box.size.maxCoeff() / cells;
     for (int axis = 0; axis < 3; ++axis) {
       // A cell more on each side, so that the surface never meets the end of the grid.
@@ -101,19 +102,12 @@ class Contour {
     for (const auto& [cell, sheets] : split_) {
       reach_for_rim(cell, sheets);
     }
-    for (std::size_t i = 0; i < mesh_.vertices.size(); ++i) settle(i);
+    for (std::uint32_t i = 0; i < mesh_.vertices.size(); ++i) settle(i);
     mesh_.cell = cell_;
     return std::move(mesh_);
   }
 
  private:
-  /// The mesh's own box where it is known: that of the band may be far larger.
-  static Extent drawn_box(const AssetView& asset) noexcept {
-    const bool known = asset.box_low.allFinite() && asset.box_high.allFinite();
-    if (!known || !(asset.box_low.array() <= asset.box_high.array()).all()) return extent_of(asset);
-    return {asset.box_low, asset.box_high - asset.box_low};
-  }
-
   [[nodiscard]] std::size_t corners() const noexcept {
     return std::size_t(counts_[0] + 1) * std::size_t(counts_[1] + 1) * std::size_t(counts_[2] + 1);
   }
@@ -293,12 +287,15 @@ class Contour {
     return {at[0], at[1], at[2]};
   }
 
+  void set_vertex(std::uint32_t vertex, const Vector3& to) {
+    mesh_.vertices[vertex] = {static_cast<float>(to[0]), static_cast<float>(to[1]),
+                              static_cast<float>(to[2])};
+  }
+
   /// As far as its cell reaches.
   void move_vertex(std::uint32_t vertex, std::uint32_t cell, const Vector3& to) {
     const Vector3 low = place(owners_[cell]);
-    const Vector3 held = to.cwiseMax(low).cwiseMin(low + Vector3::Constant(cell_));
-    mesh_.vertices[vertex] = {static_cast<float>(held[0]), static_cast<float>(held[1]),
-                              static_cast<float>(held[2])};
+    set_vertex(vertex, to.cwiseMax(low).cwiseMin(low + Vector3::Constant(cell_)));
   }
 
   /// Moves the ends of two sheets to where the wall between them ends: no crossing tells of it.
@@ -321,13 +318,11 @@ class Contour {
   }
 
   /// Moves a vertex onto the surface, which bends within its cell.
-  void settle(std::size_t vertex) {
-    const Vector3 at = at_vertex(static_cast<std::uint32_t>(vertex));
+  void settle(std::uint32_t vertex) {
+    const Vector3 at = at_vertex(vertex);
     const Answer answer = query_point(asset_, at);
     if (answer.status != Status::exact || !(std::abs(answer.distance) < cell_)) return;
-    const Vector3 on = at - answer.distance * answer.normal;
-    mesh_.vertices[vertex] = {static_cast<float>(on[0]), static_cast<float>(on[1]),
-                              static_cast<float>(on[2])};
+    set_vertex(vertex, at - answer.distance * answer.normal);
   }
 
   /// A quadrangle between the four cells about each crossing.

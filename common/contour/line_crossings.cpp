@@ -4,6 +4,7 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/contour/surface_box.hpp"
 #include "common/query/octree_query.hpp"
 
 namespace spm {
@@ -23,20 +24,10 @@ constexpr double same_steps = 8;
 
 }  // namespace
 
-struct CrossingSearch::Place {
-  enum class Side : std::uint8_t { unknown, outside, inside };
-  Vector3 at = Vector3::Zero();
-  Vector3 normal = Vector3::Zero();
-  double distance = 0;
-  Side side = Place::Side::unknown;
-};
-
 LineLattice line_lattice(const AssetView& asset, double step) noexcept {
-  const Extent extent = extent_of(asset);
-  const bool known = asset.box_low.allFinite() && asset.box_high.allFinite();
+  const auto [low, size] = surface_box(asset);
   LineLattice lattice;
-  lattice.low = known ? asset.box_low : extent.low;
-  const Vector3 size = known ? Vector3(asset.box_high - asset.box_low) : extent.size;
+  lattice.low = low;
   for (int axis = 0; axis < 3; ++axis) {
     const double count = std::clamp(std::ceil(size[axis] / step), 1.0, most_lines);
     lattice.count[static_cast<std::size_t>(axis)] = static_cast<std::uint32_t>(count);
@@ -52,14 +43,14 @@ CrossingSearch::CrossingSearch(const AssetView& asset, std::size_t most_queries)
       left_(most_queries) {}
 
 CrossingSearch::Place CrossingSearch::ask(const Leaf& leaf, const Vector3& place) noexcept {
-  Place told{place, Vector3::Zero(), 0, Place::Side::unknown};
+  Place told{place, Vector3::Zero(), 0, Side::unknown};
   if (left_ == 0) return told;
   --left_;
   const Answer answer = query_leaf(asset_, leaf, place);
   if (answer.status != Status::exact || !std::isfinite(answer.distance)) return told;
   told.normal = answer.normal;
   told.distance = answer.distance;
-  told.side = answer.distance < 0 ? Place::Side::inside : Place::Side::outside;
+  told.side = answer.distance < 0 ? Side::inside : Side::outside;
   return told;
 }
 
@@ -76,7 +67,7 @@ CrossingSearch::Place CrossingSearch::between(const Leaf& leaf, int axis, Place 
     Vector3 at = before.at;
     at[axis] += share * (after.at[axis] - before.at[axis]);
     middle = ask(leaf, at);
-    if (middle.side == Place::Side::unknown || std::abs(middle.distance) <= enough) return middle;
+    if (middle.side == Side::unknown || std::abs(middle.distance) <= enough) return middle;
     (middle.side == before.side ? before : after) = middle;
   }
   return middle;
@@ -88,9 +79,8 @@ void CrossingSearch::walk_leaf(const Leaf& leaf, int axis, double end, Place& la
   bool entry = true;
   while (left_ > 0) {
     const Place next = ask(leaf, at);
-    if (next.side != Place::Side::unknown && last.side != Place::Side::unknown &&
-        next.side != last.side) {
-      meet(axis, entry ? next : between(leaf, axis, last, next), next.side == Place::Side::inside);
+    if (next.side != Side::unknown && last.side != Side::unknown && next.side != last.side) {
+      meet(axis, entry ? next : between(leaf, axis, last, next), next.side == Side::inside);
     }
     last = next;
     entry = false;
@@ -115,7 +105,7 @@ void CrossingSearch::meet(int axis, const Place& at, bool enters) {
 const std::vector<SurfaceCrossing>& CrossingSearch::along(int axis, const Vector3& through) {
   found_.clear();
   const Extent extent = extent_of(asset_);
-  Place last{through, Vector3::Zero(), 0, Place::Side::outside};
+  Place last{through, Vector3::Zero(), 0, Side::outside};
   last.at[axis] = extent.low[axis];
   const double end = extent.low[axis] + extent.size[axis];
   const double nudge = 1e-6 * least_step_;
@@ -126,13 +116,13 @@ const std::vector<SurfaceCrossing>& CrossingSearch::along(int axis, const Vector
     const double next = std::clamp(leaf.middle[axis] + leaf.half, last.at[axis] + nudge, end);
     switch (leaf.kind) {
       case OctreeKind::far:
-        last.side = Place::Side::outside;
+        last.side = Side::outside;
         break;
       case OctreeKind::deep:
-        last.side = Place::Side::inside;
+        last.side = Side::inside;
         break;
       case OctreeKind::pruned:
-        last.side = Place::Side::unknown;
+        last.side = Side::unknown;
         break;
       default:
         walk_leaf(leaf, axis, next, last);

@@ -52,8 +52,13 @@ class CrossingSearch {
   [[nodiscard]] bool exhausted() const noexcept { return left_ == 0; }
 
  private:
+  enum class Side : std::uint8_t { unknown, outside, inside };
   /// What is known at a place of the line.
-  struct Place;
+  struct Place {
+    Vector3 at = Vector3::Zero(), normal = Vector3::Zero();
+    double distance = 0;  ///< m
+    Side side = Side::unknown;
+  };
   const AssetView& asset_;
   double slack_, least_step_;
   std::size_t left_;

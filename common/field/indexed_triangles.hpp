@@ -24,9 +24,8 @@ inline constexpr std::uint32_t corner_mask = (1U << corner_bits) - 1;
 ///   triangles: 64 bits each: the numbers of three corners, corner_bits each, the first lowest; the
 ///     last bit is set where single precision will not do (thin). The first side, from corner 0 to
 ///     corner 1, is the shortest;
-///   sides: 16 bits each, one a triangle: its FeatureSides; bit 15 of triangles that are no surface
-///   and
-///     are only crossed (TriangleList).
+///   sides: 16 bits each, one a triangle: its FeatureSides; bit 15 set for triangles that are no
+///     surface and are only crossed (TriangleList).
 ///
 /// Words may be anything, in a file that was damaged after it was checked, so each number is
 /// checked before it is used.

@@ -48,13 +48,12 @@ Answer closest_of_maps(const AssetView& asset, const GridList& list,
   if (map == nullptr) return unanswered(Status::far);
   const Vector3 normal = normal_at(*map, layer, asset.planes[map->plane], best.cell);
   if (!normal.allFinite()) return unanswered(Status::far);
-  const std::uint32_t crossing = layer;
-  const double side = side_of_crossing(crossing);
+  const double side = side_of_crossing(layer);
   Answer answer;
   answer.distance = side * best.distance;
   answer.normal = side * normal;
   answer.plane = static_cast<std::int32_t>(map->plane);
-  answer.layer = static_cast<std::int32_t>(crossing);
+  answer.layer = static_cast<std::int32_t>(layer);
   answer.source = Source::map;
   answer.status = Status::exact;
   return answer;

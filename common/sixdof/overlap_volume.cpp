@@ -7,12 +7,11 @@
 
 #include "common/base/rigid_pose.hpp"
 #include "common/query/query.hpp"
+#include "common/sixdof/sample_vectors.hpp"
 
 namespace spm {
 
 namespace {
-
-Vector3 to_vector(const std::array<float, 3>& v) noexcept { return {v[0], v[1], v[2]}; }
 
 /// Integrals over the overlap's boundary, relative to a point that lies near it.
 struct Boundary {
@@ -85,7 +84,7 @@ class Walk {
 
   /// Whether a sample and all below it are outside.
   [[nodiscard]] bool clear(std::uint32_t sample) noexcept {
-    const Vector3 place = pose_ * to_vector(samples_.places[sample].position);
+    const Vector3 place = pose_ * vector_of(samples_.places[sample].position);
     // Patches of the finest samples extend beyond their middles.
     const double radius = static_cast<double>(samples_.places[sample].radius) +
                           samples_.levels.back().bound + field_.tolerance;
@@ -99,7 +98,7 @@ class Walk {
     const SampleShare& share = samples_.shares[sample];
     const SampleSpread& spread = samples_.spreads[sample];
     const Vector3 middle =
-        pose_ * Vector3(to_vector(samples_.places[sample].position) + to_vector(spread.middle));
+        pose_ * Vector3(vector_of(samples_.places[sample].position) + vector_of(spread.middle));
     ++tested;
     const Answer answer = query_point(field_, middle);
     if (answer.status != Status::exact && answer.status != Status::deep) return;

@@ -6,6 +6,7 @@
 #include <string>
 
 #include "common/contour/line_crossings.hpp"
+#include "common/sixdof/sample_vectors.hpp"
 
 namespace spm {
 
@@ -16,10 +17,6 @@ constexpr std::size_t most_lines = std::size_t{1} << 24U;
 constexpr double least_slope = 0.05;
 /// So many that only a broken file needs more: ten seconds.
 constexpr std::size_t most_queries = std::size_t{1} << 28U;
-
-std::array<float, 3> to_floats(const Vector3& v) noexcept {
-  return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};
-}
 
 Result<std::vector<SurfacePatch>> too_many() {
   return fail(ExitCode::invalid_input,
@@ -53,7 +50,7 @@ Result<std::vector<SurfacePatch>> surface_patches(const AssetView& asset, double
         for (const SurfaceCrossing& crossing : search.along(axis, through)) {
           const double slope = std::abs(crossing.normal[axis]);
           if (slope < least_slope) continue;
-          patches.push_back({to_floats(crossing.place), to_floats(crossing.normal),
+          patches.push_back({floats_of(crossing.place), floats_of(crossing.normal),
                              static_cast<float>(area * slope)});
         }
       }

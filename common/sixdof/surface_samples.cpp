@@ -8,6 +8,8 @@
 #include <tuple>
 #include <utility>
 
+#include "common/sixdof/sample_vectors.hpp"
+
 namespace spm {
 
 namespace {
@@ -16,11 +18,6 @@ namespace {
 /// as well.
 constexpr double coarsest_patch_share = 1.0 / 128;
 constexpr std::uint32_t key_bits = 21;  ///< per axis
-
-Vector3 to_vector(const std::array<float, 3>& v) noexcept { return {v[0], v[1], v[2]}; }
-std::array<float, 3> to_floats(const Vector3& v) noexcept {
-  return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};
-}
 
 /// The one of the six axis directions that is closest to a normal.
 std::uint32_t way_of(const Vector3& normal) noexcept {
@@ -77,11 +74,11 @@ void add(Cluster& cluster, const Cluster& part) noexcept {
 Cluster cluster_of(const SurfacePatch& patch, const Key& key, const Vector3& origin) noexcept {
   Cluster made;
   made.key = key;
-  made.position = to_vector(patch.position) - origin;
+  made.position = vector_of(patch.position) - origin;
   made.area = static_cast<double>(patch.area);
   made.moment = made.area * made.position;
   made.square = made.area * made.position.squaredNorm();
-  made.normal = made.area * to_vector(patch.normal);
+  made.normal = made.area * vector_of(patch.normal);
   return made;
 }
 
@@ -170,12 +167,12 @@ void emit(SurfaceSamples& samples, const Cluster& cluster, const Vector3& origin
   const Vector3 mean = cluster.normal / cluster.area;
   const double length = mean.norm();
   samples.places.push_back(
-      {to_floats(origin + cluster.position), rounded_up(cluster.radius, size)});
+      {floats_of(origin + cluster.position), rounded_up(cluster.radius, size)});
   samples.shares.push_back(
       {pack_octahedral(length > 0 ? Vector3(mean / length) : Vector3(Vector3::UnitZ())),
        static_cast<float>(cluster.area)});
   samples.spreads.push_back(
-      {to_floats(middle - cluster.position), static_cast<float>(std::sqrt(1.5 * variance))});
+      {floats_of(middle - cluster.position), static_cast<float>(std::sqrt(1.5 * variance))});
   if (is_finest) return;
   samples.children.emplace_back();
   samples.moments.push_back(moments_of(cluster, static_cast<double>(samples.places.back().radius)));
@@ -212,7 +209,7 @@ void write(SurfaceSamples& samples, const std::vector<std::vector<Cluster>>& lev
 void surround(SurfaceSamples& samples, const Vector3& low, const Vector3& high) noexcept {
   samples.centre = (low + high) / 2;
   for (const SamplePlace& place : samples.places) {
-    samples.radius = std::max(samples.radius, (to_vector(place.position) - samples.centre).norm());
+    samples.radius = std::max(samples.radius, (vector_of(place.position) - samples.centre).norm());
   }
 }
 
@@ -231,7 +228,7 @@ std::vector<Keyed> in_order_of_cubes(const std::vector<SurfacePatch>& patches, c
   std::vector<Keyed> order;
   order.reserve(patches.size());
   for (const SurfacePatch& patch : patches) {
-    const Vector3 place = (to_vector(patch.position) - low) / spacing;
+    const Vector3 place = (vector_of(patch.position) - low) / spacing;
     std::array<std::uint32_t, 3> cell{};
     for (int axis = 0; axis < 3; ++axis) {
       // Patches of a broken file may lie anywhere, and be no numbers.
@@ -239,7 +236,7 @@ std::vector<Keyed> in_order_of_cubes(const std::vector<SurfacePatch>& patches, c
       cell[static_cast<std::size_t>(axis)] =
           place[axis] > 0 ? static_cast<std::uint32_t>(std::min(place[axis], last)) : 0;
     }
-    order.push_back({{way_of(to_vector(patch.normal)), interleave(cell)},
+    order.push_back({{way_of(vector_of(patch.normal)), interleave(cell)},
                      static_cast<std::uint32_t>(order.size())});
   }
   std::sort(order.begin(), order.end());
@@ -257,7 +254,7 @@ std::vector<Cluster> finest_level(const std::vector<SurfacePatch>& patches, cons
   for (Cluster& cluster : level) {
     // In the middle, and on the surface.
     const Vector3 middle = cluster.moment / cluster.area;
-    const Vector3 normal = to_vector(patches[order[cluster.kept].patch].normal);
+    const Vector3 normal = vector_of(patches[order[cluster.kept].patch].normal);
     cluster.position = middle - normal * normal.dot(middle - cluster.position);
     for (std::uint32_t i = cluster.first; i < cluster.first + cluster.count; ++i) {
       cluster.patch_radius =
@@ -317,10 +314,10 @@ Result<SurfaceSamples> SurfaceSampler::sample(double spacing) {
     patches_ = std::move(*patches);
     step_ = step;
   }
-  Vector3 low = to_vector(patches_.front().position), high = low;
+  Vector3 low = vector_of(patches_.front().position), high = low;
   for (const SurfacePatch& patch : patches_) {
-    low = low.cwiseMin(to_vector(patch.position));
-    high = high.cwiseMax(to_vector(patch.position));
+    low = low.cwiseMin(vector_of(patch.position));
+    high = high.cwiseMax(vector_of(patch.position));
   }
   std::vector<std::vector<Cluster>> levels{finest_level(patches_, low, spacing)};
   while (std::any_of(levels.back().begin(), levels.back().end(),

@@ -6,6 +6,8 @@
 #include <algorithm>
 #include <cmath>
 
+#include "common/sixdof/sample_vectors.hpp"
+
 namespace spm {
 
 namespace {
@@ -24,17 +26,12 @@ constexpr double least_parts = 4;
 /// A tool whose volume is a smaller part of its surface times its radius than this is a sheet.
 constexpr double least_fullness = 1e-5;
 
-Vector3 to_vector(const std::array<float, 3>& v) noexcept { return {v[0], v[1], v[2]}; }
-std::array<float, 3> to_floats(const Vector3& v) noexcept {
-  return {static_cast<float>(v.x()), static_cast<float>(v.y()), static_cast<float>(v.z())};
-}
-
 /// By the divergence theorem, m3.
 double volume_of(const SurfaceSamples& samples) noexcept {
   double volume = 0;
   const SampleLevel& finest = samples.levels.back();
   for (std::uint32_t i = finest.first; i < finest.first + finest.count; ++i) {
-    const Vector3 arm = to_vector(samples.places[i].position) - samples.centre;
+    const Vector3 arm = vector_of(samples.places[i].position) - samples.centre;
     volume += static_cast<double>(samples.shares[i].area) * arm.dot(samples.shares[i].normal());
   }
   return volume / 3;
@@ -114,7 +111,7 @@ void place(SurfaceSamples& samples, const Placement& placement) {
     pack(turned, 1, samples.moments[i]);
   }
   for (SamplePlace& place : samples.places) {
-    place.position = to_floats(placement.position + scale * (rotation * to_vector(place.position)));
+    place.position = floats_of(placement.position + scale * (rotation * vector_of(place.position)));
     if (place.radius > 0) {
       place.radius =
           static_cast<float>((scale * static_cast<double>(place.radius) + rounding) * (1 + 1e-6));
@@ -125,7 +122,7 @@ void place(SurfaceSamples& samples, const Placement& placement) {
     share.area = static_cast<float>(scale * scale * static_cast<double>(share.area));
   }
   for (SampleSpread& spread : samples.spreads) {
-    spread.middle = to_floats(scale * (rotation * to_vector(spread.middle)));
+    spread.middle = floats_of(scale * (rotation * vector_of(spread.middle)));
     spread.spread = static_cast<float>(scale * static_cast<double>(spread.spread));
   }
   for (SampleLevel& level : samples.levels) {

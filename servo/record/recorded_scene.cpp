@@ -26,7 +26,6 @@ static_assert(sizeof(ToolSettings) == 144);
 constexpr double huge = 1e12;
 constexpr double unit_slack = 1e-6;
 constexpr std::array<const char*, 3> methods{"spm", "paper", "proxy"};
-constexpr auto rules = paper_rule_words;
 constexpr std::array<const char*, 2> probe_forms_recorded{"surface", "volume"};
 constexpr std::array<const char*, 2> probe_kinds{"ball", "capsule"};
 constexpr std::array<const char*, 2> velocities{"estimate", "difference"};
@@ -154,7 +153,7 @@ template <class Fields>
 void walk(Fields& fields, PlacedObject& object) {
   count(fields, "asset", object.asset);
   fields.word("method", object.force.method, methods);
-  fields.word("rule", object.force.rule, rules);
+  fields.word("rule", object.force.rule, paper_rule_words);
   fields.number("stiffness_n_m", object.force.stiffness, 0);
   fields.number("probe_radius_m", object.force.probe_radius, 0);
   // Where they are missing, the recording is older than they are, and its probe is a point or a
