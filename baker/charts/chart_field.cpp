@@ -68,11 +68,13 @@ std::array<double, 3> slopes(const std::array<std::array<double, 3>, 3>& h, doub
 
 ChartField::ChartField(const ChartHeights& heights, std::uint32_t chart, std::uint32_t level)
     : plane_(heights.planes()[heights.charts().charts()[chart].plane]),
-      grid_(heights.of(chart, level)) {}
+      grid_(heights.of(chart, level)),
+      per_(1 / grid_.spacing),
+      across_{plane_.u.lpNorm<1>(), plane_.v.lpNorm<1>(), plane_.n.lpNorm<1>()} {}
 
 ChartField::Place ChartField::place_of(const Vector3& point) const {
   const PlaneCoordinates at = project_on_plane(plane_, point);
-  return {at.eta / grid_.spacing - grid_.column0, at.omega / grid_.spacing - grid_.row0, at.depth};
+  return {at.eta * per_ - grid_.column0, at.omega * per_ - grid_.row0, at.depth};
 }
 
 HeightRange ChartField::range_over(const Vector3& middle, double half) const {
@@ -137,9 +139,9 @@ double ChartField::at(const Vector3& place, Vector3& normal) const {
 FieldBound ChartField::about(const Vector3& middle, double half) const {
   const Place at = place_of(middle);
   const Spline spline = spline_at(at.x, at.y);
-  const double per = 1 / grid_.spacing;
-  const double along_eta = half * plane_.u.lpNorm<1>(), along_omega = half * plane_.v.lpNorm<1>(),
-               along_depth = half * plane_.n.lpNorm<1>();
+  const double per = per_;
+  const double along_eta = half * across_[0], along_omega = half * across_[1],
+               along_depth = half * across_[2];
   // Second derivatives in all cells that the cube's projection meets.
   const double wide = along_eta * per + lattice_rounding,
                high = along_omega * per + lattice_rounding;
@@ -214,6 +216,8 @@ FieldBound ChartField::about(const Vector3& middle, double half) const {
   bound.near.gradient =
       axes.transpose() * Vector3(w * slope[0] + w1[0] * field, w * slope[1] + w1[1] * field, -w);
   bound.near.bend = axes.transpose() * bend * axes;
+  bound.normal = w * (plane_.n + slope[0] * plane_.u + slope[1] * plane_.v);
+  bound.turn = (most_bent * way).norm() + float_rounding * (1 + most * per);
   return bound;
 }
 

@@ -47,6 +47,8 @@ class ChartField : public BoundedField {
  private:
   const SupportPlane& plane_;
   const HeightGrid& grid_;
+  double per_;                    ///< 1/m, of the spacing
+  std::array<double, 3> across_;  ///< of half a cube's edge, its box along u, v and n
 
   struct Spline {
     double value = 0, by_x = 0, by_y = 0, by_xx = 0, by_xy = 0, by_yy = 0;

@@ -7,6 +7,7 @@
 #include <span>
 
 #include "baker/charts/chart_field.hpp"
+#include "common/surface/edge_distance.hpp"
 
 namespace spm::baker {
 
@@ -16,49 +17,64 @@ namespace {
 constexpr double enough_votes = 0.9;
 /// Spacings are tried down to this share of a cube's edge.
 constexpr double finest = 0.3;
+/// So many charts are tried that face samples, and so many that meet them are tried to be proven;
+/// of two that meet them, the first.
+constexpr std::size_t tried_charts = 2;
+constexpr int tried_proofs = 2;
+/// Two parts with directions closer than 18 degrees are no crease: smaller cubes have one chart.
+constexpr double alike_cosine = 0.95;
 /// Two pieces of a cube have so many samples each, or more.
 constexpr std::size_t least_samples = 4;
 
-/// The chart that has the triangles nearest to samples and faces their direction most.
-std::optional<std::uint32_t> facing_chart(const std::vector<CubeSample>& samples,
-                                          const std::vector<std::size_t>& chosen,
-                                          const ChartHeights& heights) {
+/// The few charts that have the triangles nearest to samples, those that face their
+/// direction most first.
+std::vector<std::uint32_t> facing_charts(const std::vector<CubeSample>& samples,
+                                         const std::vector<std::size_t>& chosen,
+                                         const ChartHeights& heights) {
   struct Votes {
     std::uint32_t chart, count;
+    double facing;
   };
   std::vector<Votes> votes;
   Vector3 direction = Vector3::Zero();
-  for (const std::size_t i : chosen) {
-    direction += samples[i].gradient;
-    for (const std::uint32_t chart : heights.charts().charts_of(samples[i].triangle)) {
+  const auto vote = [&](std::uint32_t triangle) {
+    for (const std::uint32_t chart : heights.charts().charts_of(triangle)) {
       const auto known = std::find_if(votes.begin(), votes.end(),
                                       [chart](const Votes& one) { return one.chart == chart; });
       if (known == votes.end()) {
-        votes.push_back({chart, 1});
+        votes.push_back({chart, 1, 0});
       } else {
         ++known->count;
       }
     }
+  };
+  for (const std::size_t i : chosen) {
+    direction += samples[i].gradient;
+    vote(samples[i].triangle);
+    if (samples[i].beside != samples[i].triangle) vote(samples[i].beside);
   }
   std::uint32_t most = 0;
-  for (const Votes& one : votes) most = std::max(most, one.count);
-  std::optional<std::uint32_t> best;
-  double facing = 0;
-  for (const Votes& one : votes) {
-    if (one.count < enough_votes * most) continue;
-    const double cosine =
-        heights.planes()[heights.charts().charts()[one.chart].plane].n.dot(direction);
-    if (cosine > facing || (best && cosine == facing && one.chart < *best)) {
-      best = one.chart;
-      facing = cosine;
-    }
+  for (Votes& one : votes) {
+    most = std::max(most, one.count);
+    one.facing = heights.planes()[heights.charts().charts()[one.chart].plane].n.dot(direction);
   }
-  return best;
+  std::erase_if(votes, [most](const Votes& one) {
+    return one.count < enough_votes * most || !(one.facing > 0);
+  });
+  std::sort(votes.begin(), votes.end(), [](const Votes& a, const Votes& b) {
+    return a.facing != b.facing ? a.facing > b.facing : a.chart < b.chart;
+  });
+  std::vector<std::uint32_t> charts;
+  for (const Votes& one : votes) {
+    if (charts.size() == tried_charts) break;
+    charts.push_back(one.chart);
+  }
+  return charts;
 }
 
 /// Whether what fields tell meets samples of the band: the error of each, and directions in the
-/// mean. With one field alone `smaller` does not matter.
-bool meet(std::span<const ChartField> fields, bool smaller, const std::vector<CubeSample>& samples,
+/// mean.
+bool meet(std::span<const ChartField> fields, MapPair pair, const std::vector<CubeSample>& samples,
           const std::vector<std::size_t>& chosen, const Cube& cube, const ChartRules& rules) {
   SampleJudge judge(rules.band, rules.max_error, rules.max_mean_angle);
   for (const std::size_t i : chosen) {
@@ -68,34 +84,36 @@ bool meet(std::span<const ChartField> fields, bool smaller, const std::vector<Cu
     double value = fields.front().at(place, normal);
     if (fields.size() > 1) {
       Vector3 other_normal;
-      const double other = fields.back().at(place, other_normal);
-      if ((other < value) == smaller) {
-        value = other;
-        normal = other_normal;
-      }
+      const double other = fields.back().at(place, other_normal), sign = pair.larger ? 1 : -1;
+      normal.normalize();
+      other_normal.normalize();
+      const EdgeDistance edge =
+          edge_distance(sign * value, sign * other, pair.edge ? normal.dot(other_normal) : 1);
+      value = sign * edge.distance;
+      normal = edge.first * normal + edge.second * other_normal;
     }
     if (!judge.meets(sample, value, normal)) return false;
   }
   return judge.meets_directions();
 }
 
-/// The chart that faces chosen samples, at the coarsest spacing that meets them.
-std::optional<ChartAtLevel> find_chart(const std::vector<CubeSample>& samples,
-                                       const std::vector<std::size_t>& chosen,
-                                       const std::vector<std::size_t>& judged, const Cube& cube,
-                                       const ChartRules& rules) {
-  const std::optional<std::uint32_t> chart = facing_chart(samples, chosen, *rules.heights);
-  if (!chart) return std::nullopt;
-  for (std::uint32_t level = rules.heights->first_level(*chart);
-       level < rules.heights->end_level(*chart); ++level) {
-    const double spacing = std::ldexp(rules.heights->spacing(), -static_cast<int>(level));
-    if (spacing < finest * 2 * cube.half) break;
-    const ChartField field(*rules.heights, *chart, level);
-    // A finer spacing reaches less far past the chart's border.
-    if (!field.covers(cube.middle, cube.half)) break;
-    if (meet({&field, 1}, true, samples, judged, cube, rules)) return ChartAtLevel{*chart, level};
+/// The charts that face samples, at each spacing at which they cover the cube: the
+/// chart that faces them most first, each from its coarsest spacing on.
+std::vector<ChartAtLevel> charts_over(const std::vector<CubeSample>& samples,
+                                      const std::vector<std::size_t>& chosen, const Cube& cube,
+                                      const ChartHeights& heights) {
+  std::vector<ChartAtLevel> found;
+  for (const std::uint32_t chart : facing_charts(samples, chosen, heights)) {
+    for (std::uint32_t level = heights.first_level(chart); level < heights.end_level(chart);
+         ++level) {
+      const double spacing = std::ldexp(heights.spacing(), -static_cast<int>(level));
+      if (spacing < finest * 2 * cube.half) break;
+      // A finer spacing reaches less far past the chart's border.
+      if (!ChartField(heights, chart, level).covers(cube.middle, cube.half)) break;
+      found.push_back({chart, level});
+    }
   }
-  return std::nullopt;
+  return found;
 }
 
 std::vector<std::size_t> all_of(const std::vector<CubeSample>& samples) {
@@ -107,36 +125,54 @@ std::vector<std::size_t> all_of(const std::vector<CubeSample>& samples) {
 }  // namespace
 
 std::optional<FittedCharts> find_one_chart(const std::vector<CubeSample>& samples, const Cube& cube,
-                                           const ChartRules& rules) {
+                                           const ChartRules& rules, const ChartProof& proven) {
   const std::vector<std::size_t> all = all_of(samples);
   std::vector<std::size_t> chosen = about_band(samples, rules.band, cube.half);
   if (chosen.empty()) chosen = all;
-  const std::optional<ChartAtLevel> found = find_chart(samples, chosen, all, cube, rules);
-  if (!found) return std::nullopt;
-  return FittedCharts{OctreeKind::map, {*found}};
+  int proofs = 0;
+  for (const ChartAtLevel& at : charts_over(samples, chosen, cube, *rules.heights)) {
+    const ChartField field(*rules.heights, at.chart, at.level);
+    if (!meet({&field, 1}, {}, samples, all, cube, rules)) continue;
+    FittedCharts fitted{{}, {at}};
+    if (proven(fitted)) return fitted;
+    if (++proofs == tried_proofs) break;
+  }
+  return std::nullopt;
 }
 
 std::optional<FittedCharts> find_two_charts(const std::vector<CubeSample>& samples,
-                                            const Cube& cube, const ChartRules& rules) {
+                                            const Cube& cube, const ChartRules& rules,
+                                            const ChartProof& proven) {
   const std::vector<std::size_t> chosen = about_band(samples, rules.band, cube.half);
   if (chosen.size() < 2 * least_samples) return std::nullopt;
   const std::vector<bool> is_second = by_direction(samples, chosen);
   std::array<std::vector<std::size_t>, 2> parts;
   for (const std::size_t i : chosen) parts[is_second[i] ? 1 : 0].push_back(i);
-  FittedCharts fitted;
-  std::vector<ChartField> fields;
-  for (const auto& part : parts) {
-    if (part.size() < least_samples) return std::nullopt;
-    const std::optional<ChartAtLevel> found = find_chart(samples, part, part, cube, rules);
-    if (!found) return std::nullopt;
-    fitted.charts.push_back(*found);
-    fields.emplace_back(*rules.heights, found->chart, found->level);
+  std::array<Vector3, 2> directions{Vector3::Zero(), Vector3::Zero()};
+  std::array<std::vector<ChartAtLevel>, 2> charts;
+  for (std::size_t k = 0; k < 2; ++k) {
+    if (parts[k].size() < least_samples) return std::nullopt;
+    for (const std::size_t i : parts[k]) directions[k] += samples[i].gradient;
+    charts[k] = charts_over(samples, parts[k], cube, *rules.heights);
   }
-  if (fitted.charts[0].chart == fitted.charts[1].chart) return std::nullopt;
+  if (directions[0].dot(directions[1]) >
+      alike_cosine * directions[0].norm() * directions[1].norm()) {
+    return std::nullopt;
+  }
   const std::vector<std::size_t> all = all_of(samples);
-  for (const OctreeKind how : {OctreeKind::least, OctreeKind::most}) {
-    fitted.how = how;
-    if (meet(fields, how == OctreeKind::least, samples, all, cube, rules)) return fitted;
+  for (const ChartAtLevel& first : charts[0]) {
+    for (const ChartAtLevel& second : charts[1]) {
+      if (first.chart == second.chart) continue;
+      const std::array<ChartField, 2> fields{
+          ChartField(*rules.heights, first.chart, first.level),
+          ChartField(*rules.heights, second.chart, second.level)};
+      for (const MapPair pair : {MapPair{false, false}, MapPair{true, false}, MapPair{false, true},
+                                 MapPair{true, true}}) {
+        if (!meet(fields, pair, samples, all, cube, rules)) continue;
+        FittedCharts fitted{pair, {first, second}};
+        return proven(fitted) ? std::optional(fitted) : std::nullopt;
+      }
+    }
   }
   return std::nullopt;
 }

@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <functional>
 #include <optional>
 #include <vector>
 
@@ -20,18 +21,23 @@ struct ChartRules {
   double max_mean_angle = 0;  ///< rad, between directions, in the mean over these samples
 };
 
-/// One chart, or two of which the smaller (`least`) or larger (`most`) distance counts.
+/// One chart, or two.
 struct FittedCharts {
-  OctreeKind how = OctreeKind::map;
+  MapPair pair;
   std::vector<ChartAtLevel> charts;
 };
 
-/// The chart that faces the samples of a cube at the coarsest spacing that meets them; or two, for
-/// samples that are told apart by their directions. Empty where none does. Proves nothing.
+/// Whether charts that meet the samples are proven.
+using ChartProof = std::function<bool(const FittedCharts&)>;
+
+/// A chart that meets the samples of a cube and is proven: the one that faces them most first, each
+/// from its coarsest spacing on; or two, for samples that are told apart by their directions. Empty
+/// where none of the few that are tried is.
 [[nodiscard]] std::optional<FittedCharts> find_one_chart(const std::vector<CubeSample>& samples,
-                                                         const Cube& cube, const ChartRules& rules);
+                                                         const Cube& cube, const ChartRules& rules,
+                                                         const ChartProof& proven);
 [[nodiscard]] std::optional<FittedCharts> find_two_charts(const std::vector<CubeSample>& samples,
-                                                          const Cube& cube,
-                                                          const ChartRules& rules);
+                                                          const Cube& cube, const ChartRules& rules,
+                                                          const ChartProof& proven);
 
 }  // namespace spm::baker

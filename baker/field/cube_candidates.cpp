@@ -59,6 +59,7 @@ std::size_t count_within(const std::vector<Candidate>& from, double most) {
 void find_witnesses(const LatticeSurface& surface, const Cube& cube,
                     const std::vector<Candidate>& from, double most, std::vector<Witness>& found) {
   std::array<Candidate, most_witnesses> first;
+  found.reserve(most_witnesses);
   const auto last =
       std::partial_sort_copy(from.begin(), from.end(), first.begin(), first.end(), nearer);
   for (auto one = first.begin(); one != last && one->distance <= most; ++one) {
@@ -121,16 +122,18 @@ std::array<std::vector<Witness>, 2> each_narrowed(const LatticeSurface& surface,
 }
 
 Candidates narrowed(const LatticeSurface& surface, const Cube& cube, const Near& near) {
+  // Filled here first, so that what is kept is allocated once.
+  thread_local std::vector<Candidate> solids, sheets;
+  solids.clear();
+  sheets.clear();
+  auto witnesses = each_narrowed(
+      surface, cube, near, [](const Candidate& candidate) { solids.push_back(candidate); },
+      [](const Candidate& candidate) { sheets.push_back(candidate); });
+  std::sort(solids.begin(), solids.end(), nearer);
+  std::sort(sheets.begin(), sheets.end(), nearer);
   Candidates found;
-  const auto add_to = [](CandidatesOfKind& kind) {
-    return [&kind](const Candidate& candidate) { kind.triangles.push_back(candidate); };
-  };
-  auto witnesses = each_narrowed(surface, cube, near, add_to(found.solids), add_to(found.sheets));
-  found.solids.witnesses = std::move(witnesses[0]);
-  found.sheets.witnesses = std::move(witnesses[1]);
-  for (auto* kind : {&found.solids, &found.sheets}) {
-    std::sort(kind->triangles.begin(), kind->triangles.end(), nearer);
-  }
+  found.solids = {solids, std::move(witnesses[0])};
+  found.sheets = {sheets, std::move(witnesses[1])};
   return found;
 }
 
@@ -189,12 +192,6 @@ bool all_nearest_to_middles(const LatticeSurface& surface, const CandidatesOfKin
 }
 
 }  // namespace
-
-double Cube::radius() const noexcept { return std::sqrt(3.0) * half; }
-
-Cube Cube::octant(std::size_t octant) const noexcept {
-  return {middle + half / 2 * octant_direction(octant), half / 2};
-}
 
 double CandidatesOfKind::distance() const noexcept {
   return triangles.empty() ? std::numeric_limits<double>::infinity() : triangles.front().distance;
@@ -275,14 +272,36 @@ bool NearestPart::is_inside(const LatticeSurface& surface, const Vector3& point)
   return told ? *told : surface.caster->surrounds(point, distance);
 }
 
-bool is_middle_inside(const LatticeSurface& surface, const Candidates& candidates,
-                      const Cube& cube) {
-  NearestPart nearest;
-  for (const Candidate& candidate : candidates.solids.triangles) {
-    if (candidate.distance - slack > nearest.distance) break;
-    nearest.meet(surface.triangles[candidate.triangle], cube.middle);
+bool CandidateTree::is_middle_inside(const LatticeSurface& surface) {
+  if (!inside_at_middle) {
+    NearestPart nearest;
+    for (const Candidate& candidate : candidates.solids.triangles) {
+      if (candidate.distance - slack > nearest.distance) break;
+      nearest.meet(surface.triangles[candidate.triangle], cube.middle);
+    }
+    inside_at_middle = nearest.is_inside(surface, cube.middle);
   }
-  return nearest.is_inside(surface, cube.middle);
+  return *inside_at_middle;
+}
+
+std::array<CandidateTree, 8>& CandidateTree::parts(const LatticeSurface& surface) {
+  if (octants) return *octants;
+  octants = std::make_unique<std::array<CandidateTree, 8>>();
+  std::array<Candidates, 8> within = candidates_in_octants(surface, candidates, cube);
+  for (std::size_t octant = 0; octant < 8; ++octant) {
+    (*octants)[octant] =
+        candidate_tree(surface, cube.octant(octant), std::move(within[octant]), inside);
+  }
+  return *octants;
+}
+
+CandidateTree candidate_tree(const LatticeSurface& surface, const Cube& cube, Candidates candidates,
+                             std::optional<bool> inside) {
+  CandidateTree tree{cube, std::move(candidates), inside, inside, nullptr};
+  if (!inside && tree.candidates.solids.distance() > cube.radius() + slack) {
+    tree.inside = tree.is_middle_inside(surface);
+  }
+  return tree;
 }
 
 }  // namespace spm::baker

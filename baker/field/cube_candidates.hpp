@@ -2,13 +2,17 @@
 #pragma once
 
 #include <array>
+#include <cmath>
 #include <cstdint>
 #include <limits>
+#include <memory>
+#include <optional>
 #include <vector>
 
 #include "baker/cast/cast.hpp"
 #include "baker/field/corner_distances.hpp"
 #include "baker/field/lattice_surface.hpp"
+#include "common/base/octant.hpp"
 
 namespace spm::baker {
 
@@ -17,9 +21,12 @@ struct Cube {
   Vector3 middle = Vector3::Zero();
   double half = 0;  ///< of its edge
 
-  [[nodiscard]] double radius() const noexcept;  ///< of the ball around it
+  /// Of the ball around it.
+  [[nodiscard]] double radius() const noexcept { return std::sqrt(3.0) * half; }
   [[nodiscard]] double volume() const noexcept { return 8 * half * half * half; }
-  [[nodiscard]] Cube octant(std::size_t octant) const noexcept;
+  [[nodiscard]] Cube octant(std::size_t octant) const noexcept {
+    return {middle + half / 2 * octant_direction(octant), half / 2};
+  }
 };
 
 /// A triangle that may be the nearest to some place of a cube, seen from the cube's middle.
@@ -76,6 +83,22 @@ struct Candidates {
                                        const std::vector<std::uint32_t>& triangles,
                                        const Cube& cube);
 
+/// A cube with its candidates, and its octants with theirs where they were asked for: more than one
+/// proof, and the octree below, ask for the same.
+struct CandidateTree {
+  Cube cube;
+  Candidates candidates;
+  std::optional<bool> inside;  ///< the side of the whole cube; nothing where a solid passes
+  std::optional<bool> inside_at_middle;
+  std::unique_ptr<std::array<CandidateTree, 8>> octants;
+
+  [[nodiscard]] std::array<CandidateTree, 8>& parts(const LatticeSurface& surface);
+  [[nodiscard]] bool is_middle_inside(const LatticeSurface& surface);
+};
+/// The tree of a cube below one of that side.
+[[nodiscard]] CandidateTree candidate_tree(const LatticeSurface& surface, const Cube& cube,
+                                           Candidates candidates, std::optional<bool> inside);
+
 /// The same candidates, but for those that are none in any part, where the cube is halved so often.
 [[nodiscard]] Candidates nearest_in_parts(const LatticeSurface& surface,
                                           const Candidates& candidates, const Cube& cube,
@@ -91,9 +114,5 @@ struct NearestPart {
   /// Of the solids.
   [[nodiscard]] bool is_inside(const LatticeSurface& surface, const Vector3& point) const;
 };
-
-/// Whether the middle of a cube is inside a solid, by the cube's candidates.
-[[nodiscard]] bool is_middle_inside(const LatticeSurface& surface, const Candidates& candidates,
-                                    const Cube& cube);
 
 }  // namespace spm::baker

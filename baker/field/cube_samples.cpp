@@ -27,16 +27,22 @@ const double sample_middle =
 const double sample_half =
     (std::cos(std::numbers::pi / 8) - std::cos(3 * std::numbers::pi / 8)) / 2;
 
-/// The triangles that are nearest to eight places, the corners of a cube about the middle `place`
-/// of another one, in halves of its edge: their numbers among its candidates.
-std::array<std::size_t, 8> nearest_to_corners(const LatticeSurface& surface,
-                                              const CandidatesOfKind& candidates, const Cube& cube,
-                                              const Vector3& place) {
+/// Of a place: the nearest triangle and another one that is as near, or the same; their numbers
+/// among candidates.
+struct Nearest {
+  std::size_t first = 0, beside = 0;
+};
+
+/// Those of eight places, the corners of a cube about the middle `place` of another one, in halves
+/// of its edge.
+std::array<Nearest, 8> nearest_to_corners(const LatticeSurface& surface,
+                                          const CandidatesOfKind& candidates, const Cube& cube,
+                                          const Vector3& place) {
   const Vector3 offset = cube.half * place, middle = cube.middle + offset;
   const double half = cube.half * sample_half, way = offset.norm() + std::sqrt(3.0) * half;
   CornerValues least = CornerValues::Constant(std::numeric_limits<double>::infinity());
   double most = least[0];  // of these
-  std::array<std::size_t, 8> nearest{};
+  std::array<Nearest, 8> nearest{};
   for (std::size_t c = 0; c < candidates.triangles.size(); ++c) {
     const Candidate& candidate = candidates.triangles[c];
     // A distance changes by no more than the way from the middle; those that follow are farther.
@@ -49,9 +55,13 @@ std::array<std::size_t, 8> nearest_to_corners(const LatticeSurface& surface,
         corner_distances(surface.triangles[candidate.triangle].corners, middle, half);
     for (std::size_t k = 0; k < nearest.size(); ++k) {
       const auto at = static_cast<Eigen::Index>(k);
+      if (distances[at] > least[at] + rounding) continue;
+      nearest[k].beside = c;
       if (distances[at] >= least[at]) continue;
+      if (distances[at] < least[at] - rounding) {
+        nearest[k].first = c;
+      }
       least[at] = distances[at];
-      nearest[k] = c;
     }
     most = least.maxCoeff() + rounding;
   }
@@ -130,7 +140,8 @@ std::vector<CubeSample> sample_cube(const LatticeSurface& surface, const Candida
       const Vector3 point = cube.middle + cube.half * sample.place;
       NearestPart part;
       if (!candidates.triangles.empty()) {
-        sample.triangle = candidates.triangles[nearest[k]].triangle;
+        sample.triangle = candidates.triangles[nearest[k].first].triangle;
+        sample.beside = candidates.triangles[nearest[k].beside].triangle;
         part.meet(surface.triangles[sample.triangle], point);
       }
       const bool within = inside ? *inside : part.is_inside(surface, point);

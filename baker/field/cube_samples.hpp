@@ -17,6 +17,7 @@ struct CubeSample {
   double distance = 0;
   Vector3 gradient = Vector3::Zero();
   std::uint32_t triangle = 0;  ///< the nearest
+  std::uint32_t beside = 0;    ///< another one that is as near, or the same
 };
 
 /// Samples of the signed distance over a cube, from its candidates. `inside` is the side of the

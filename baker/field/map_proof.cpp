@@ -6,15 +6,21 @@
 #include <array>
 #include <cmath>
 #include <limits>
+#include <utility>
 
 #include "baker/field/corner_distances.hpp"
+#include "baker/field/edge_bound.hpp"
 
 namespace spm::baker {
 
 namespace {
 
-constexpr int max_cubes = 4096;  ///< a proof
+constexpr int max_cubes = 4096, max_cubes_of_two = 2048;  ///< a proof
 constexpr int max_divisions = 6;
+constexpr int kept_divisions = 4;  ///< so many are kept for later proofs
+/// Bounds at an edge are this many tolerances wide at most as normals turn, since that is halved
+/// with each division alone.
+constexpr double max_turned = 8;
 /// Of the rounding of doubles in all that follows, m a m.
 constexpr double rounding = 1e-12;
 /// Facets whose normals are within this of their mean: only these bound a direction between them.
@@ -56,6 +62,12 @@ class PolynomialField : public BoundedField {
   Quadratic known_;
 };
 
+/// The field of one map, or those of two of which the smaller or larger one counts.
+struct Told {
+  std::array<FieldBound, 2> maps;
+  std::size_t count = 0;
+};
+
 /// Bounds of what a field tells less the distance over a cube; m.
 struct Interval {
   double low = -std::numeric_limits<double>::infinity();
@@ -64,84 +76,172 @@ struct Interval {
     low = std::max(low, other.low);
     high = std::min(high, other.high);
   }
-  [[nodiscard]] Interval wider(double off) const { return {low - off, high + off}; }
+};
+
+/// The gradients of the distance over a cube: of length 1, and across solids in the cone of the
+/// normals of the candidates: the normal of a facet, and at an edge or corner one between those of
+/// the facets around it.
+class Cone {
+ public:
+  Cone(const LatticeSurface& surface, const Candidates& candidates) {
+    Vector3 axis = Vector3::Zero();
+    if (!candidates.sheets.triangles.empty()) return;
+    thread_local std::vector<Vector3> normals;
+    normals.clear();
+    for (const Candidate& candidate : candidates.solids.triangles) {
+      const LatticeTriangle& triangle = surface.triangles[candidate.triangle];
+      if (triangle.folded) return;
+      if (triangle.normal == Vector3::Zero()) continue;
+      // Facets of one plane follow each other.
+      if (normals.empty() || normals.back() != triangle.normal) normals.push_back(triangle.normal);
+      axis += triangle.normal;
+    }
+    if (!(axis.norm() > 0)) return;
+    axis.normalize();
+    double cosine = 1;
+    for (const Vector3& normal : normals) cosine = std::min(cosine, axis.dot(normal));
+    if (cosine < min_cone_cosine) return;
+    normals_ = normals;
+    beside_ = std::sqrt(3.0) * (1 - cosine);
+  }
+
+  /// At most so much do a gradient of a map and one of the distance differ, axis by axis.
+  [[nodiscard]] double most_difference(const Vector3& gradient) const {
+    const double of_any = gradient.lpNorm<1>() + std::sqrt(3.0);
+    if (normals_.empty()) return of_any;
+    double most = 0;
+    for (const Vector3& normal : normals_) most = std::max(most, (gradient - normal).lpNorm<1>());
+    // A direction between normals is one of their mixtures made longer, by no more than this.
+    return std::min(of_any, most + beside_);
+  }
+
+ private:
+  std::span<const Vector3> normals_;  ///< none where any gradient of length 1 counts
+  double beside_ = 0;
 };
 
 /// Of a cube: the maps are within the tolerance in all of it; or they are not at a place; or that
 /// is not known yet.
 enum class Verdict { holds, refuted, open };
 
+struct Judgement {
+  Verdict verdict = Verdict::open;
+  double beyond = 0;  ///< of what is open: by how much bounds are beyond the tolerance, m
+};
+
 class Proof {
  public:
-  Proof(const LatticeSurface& surface, const Band& band, double tolerance, OctreeKind kind,
+  Proof(const LatticeSurface& surface, const Band& band, double tolerance, MapPair pair,
         std::span<const BoundedField* const> fields)
-      : surface_(surface), band_(band), tolerance_(tolerance), kind_(kind), fields_(fields) {}
+      : surface_(surface), band_(band), tolerance_(tolerance), pair_(pair), fields_(fields) {}
 
-  bool holds(const Candidates& candidates, const Cube& cube, std::optional<bool> inside,
-             int divisions) {
-    if (++cubes_ > max_cubes) return false;
-    if (!inside && candidates.solids.distance() > cube.radius() + rounding) {
-      inside = is_middle_inside(surface_, candidates, cube);
-    }
-    switch (judge(candidates, cube, inside)) {
-      case Verdict::holds:
-        return true;
-      case Verdict::refuted:
-        return false;
-      case Verdict::open:
-        break;
-    }
-    if (divisions == max_divisions) return false;
-    const std::array<Candidates, 8> octants = candidates_in_octants(surface_, candidates, cube);
-    for (std::size_t octant = 0; octant < 8; ++octant) {
-      if (!holds(octants[octant], cube.octant(octant), inside, divisions + 1)) return false;
-    }
-    return true;
+  bool holds(CandidateTree& tree) {
+    ++cubes_;
+    if (pair_.edge && turned_at_edge(tree.cube) > max_turned * tolerance_) return false;
+    const Verdict verdict = judge(tree).verdict;
+    return verdict == Verdict::holds || (verdict == Verdict::open && holds_in_parts(tree, 1));
   }
 
  private:
   const LatticeSurface& surface_;
   Band band_;
   double tolerance_;
-  OctreeKind kind_;
+  MapPair pair_;
   std::span<const BoundedField* const> fields_;  ///< one or two
   int cubes_ = 0;
 
-  Verdict judge(const Candidates& candidates, const Cube& cube, std::optional<bool> inside) const {
+  [[nodiscard]] double turned_at_edge(const Cube& cube) const {
+    return bound_at_edge({fields_[0]->about(cube.middle, cube.half),
+                          fields_[1]->about(cube.middle, cube.half)},
+                         cube.half, pair_.larger)
+        .turned;
+  }
+
+  /// Of parts that are open the worst is divided first, so that a proof that fails does so soon.
+  bool holds_in_parts(CandidateTree& tree, int divisions) {
+    const bool holds = all_parts_hold(tree, divisions);
+    if (divisions > kept_divisions) tree.octants.reset();
+    return holds;
+  }
+
+  bool all_parts_hold(CandidateTree& tree, int divisions) {
+    std::array<std::pair<double, CandidateTree*>, 8> open;
+    std::size_t count = 0;
+    for (CandidateTree& part : tree.parts(surface_)) {
+      if (++cubes_ > (fields_.size() == 1 ? max_cubes : max_cubes_of_two)) return false;
+      const Judgement judged = judge(part);
+      if (judged.verdict == Verdict::holds) continue;
+      if (judged.verdict == Verdict::refuted || divisions == max_divisions) return false;
+      open[count++] = {judged.beyond, &part};
+    }
+    std::stable_sort(open.begin(), open.begin() + count,
+                     [](const auto& a, const auto& b) { return a.first > b.first; });
+    for (std::size_t k = 0; k < count; ++k) {
+      if (!holds_in_parts(*open[k].second, divisions + 1)) return false;
+    }
+    return true;
+  }
+
+  Judgement judge(CandidateTree& tree) const {
+    const Candidates& candidates = tree.candidates;
+    const Cube& cube = tree.cube;
+    const std::optional<bool>& inside = tree.inside;
     const double distance = candidates.only_kind().distance() - felt_nearer(surface_, candidates);
-    const bool side = inside ? *inside : is_middle_inside(surface_, candidates, cube);
+    const bool side = tree.is_middle_inside(surface_);
     const double truth = side ? -distance : distance;
-    std::array<FieldBound, 2> maps;
-    std::array<Interval, 2> off;
-    for (std::size_t k = 0; k < fields_.size(); ++k) {
-      maps[k] = fields_[k]->about(cube.middle, cube.half);
+    Told told;
+    told.count = fields_.size();
+    for (std::size_t k = 0; k < told.count; ++k) {
+      told.maps[k] = fields_[k]->about(cube.middle, cube.half);
     }
-    if (is_off(of_both(maps[0].near.value, maps[1].near.value), truth)) return Verdict::refuted;
-    for (std::size_t k = 0; k < fields_.size(); ++k) {
-      off[k].meet(by_directions(candidates, cube, maps[k].near, truth).wider(maps[k].off));
+    const Cone cone(surface_, candidates);
+    const bool larger = pair_.larger;
+    double value = of_both(told, told.maps[0].near.value, told.maps[1].near.value);
+    EdgeBound edge;
+    if (told.count == 2 && pair_.edge) {
+      edge = bound_at_edge(told.maps, cube.half, larger);
+      value = edge.value;
     }
-    Interval whole{of_both(off[0].low, off[1].low), of_both(off[0].high, off[1].high)};
-    if (within_tolerance(whole)) return Verdict::holds;
-    if (inside) whole.meet(by_convexity(candidates, cube, maps, *inside));
-    if (within_tolerance(whole)) return Verdict::holds;
+    if (is_off(value, truth)) return {Verdict::refuted};
+    Interval whole = by_directions(cube, cone, told, truth);
+    // An edge may be farther than both.
+    if (edge.edge) (larger ? whole.high += edge.past : whole.low -= edge.past);
+    if (beyond_tolerance(whole) <= 0) return {Verdict::holds};
+    if (inside && !(edge.past > tolerance_)) {
+      Interval convex = by_convexity(candidates, cube, told, *inside);
+      if (edge.edge) (larger ? convex.high += edge.past : convex.low -= edge.past);
+      whole.meet(convex);
+      if (beyond_tolerance(whole) <= 0) return {Verdict::holds};
+    }
+    if (edge.edge) {
+      told.count = 1;
+      told.maps[0].near = edge.near;
+      told.maps[0].near.value += (edge.above - edge.below) / 2;
+      told.maps[0].off = (edge.above + edge.below) / 2;
+      whole.meet(by_directions(cube, cone, told, truth));
+      if (beyond_tolerance(whole) <= 0) return {Verdict::holds};
+      if (inside) whole.meet(by_convexity(candidates, cube, told, *inside));
+      if (beyond_tolerance(whole) <= 0) return {Verdict::holds};
+    }
     // Wholly beyond the band it is enough to tell so. What is told beyond the margin may be too
     // much, but not by so much that less than its share of the way beyond is left.
     const double radius = cube.radius();
     if (inside && !*inside && distance - radius >= band_.margin) {
       const double beyond = distance - radius - band_.margin;
-      return verdict(beyond + whole.low >= -tolerance_ &&
-                     beyond_share * whole.high <= (1 - beyond_share) * beyond + tolerance_);
+      if (beyond + whole.low >= -tolerance_ &&
+          beyond_share * whole.high <= (1 - beyond_share) * beyond + tolerance_) {
+        return {Verdict::holds};
+      }
     }
-    if (inside && *inside && distance - radius >= band_.max_depth) {
-      return verdict(-(distance - radius) + whole.high <= -band_.max_depth + tolerance_);
+    if (inside && *inside && distance - radius >= band_.max_depth &&
+        -(distance - radius) + whole.high <= -band_.max_depth + tolerance_) {
+      return {Verdict::holds};
     }
-    return Verdict::open;
+    return {Verdict::open, beyond_tolerance(whole)};
   }
 
-  static Verdict verdict(bool holds) { return holds ? Verdict::holds : Verdict::open; }
-
-  [[nodiscard]] bool within_tolerance(const Interval& off) const {
-    return off.low >= -tolerance_ && off.high <= tolerance_;
+  [[nodiscard]] double beyond_tolerance(const Interval& off) const {
+    return std::max(-off.low, off.high) - tolerance_;
   }
 
   /// Whether what a place is told, m, refutes the maps, so that dividing further is in vain.
@@ -150,75 +250,52 @@ class Proof {
     return std::abs(in_band(told) - in_band(truth)) > tolerance_ + rounding;
   }
 
-  /// What the maps make of their two values, or where they are `turned` of the negative values; of
-  /// the first alone where there is one map.
-  [[nodiscard]] double of_both(double first, double second, bool turned = false) const {
-    if (fields_.size() == 1) return first;
-    return (kind_ == OctreeKind::least) == turned ? std::max(first, second)
-                                                  : std::min(first, second);
+  /// What maps make of their two values, or where they are `turned` of the negative values; of the
+  /// first alone where there is one map.
+  [[nodiscard]] double of_both(const Told& told, double first, double second,
+                               bool turned = false) const {
+    if (told.count == 1) return first;
+    return pair_.larger != turned ? std::max(first, second) : std::min(first, second);
   }
 
   /// Map less distance changes from the middle on at most by the largest difference of gradients,
   /// axis by axis, times half the edge. Holds across the surface.
-  [[nodiscard]] Interval by_directions(const Candidates& candidates, const Cube& cube,
-                                       const Quadratic& map, double truth) const {
-    // The map's own gradient changes; half of that counts, since it grows from the middle on.
-    const double bend = cube.half * map.bend.cwiseAbs().sum();
-    const double most = most_difference(candidates, map.gradient);
-    const double reach = cube.half * (most + bend) + rounding;
-    const double off = map.value - truth;
-    return {off - reach, off + reach};
-  }
-
-  /// At most so much do a gradient of a map and one of the distance differ, axis by axis. The
-  /// distance's is of length 1, and across solids in the cone of the normals of the candidates: the
-  /// normal of a facet, and at an edge or corner one between those of the facets around it.
-  [[nodiscard]] double most_difference(const Candidates& candidates,
-                                       const Vector3& gradient) const {
-    const double of_any = gradient.lpNorm<1>() + std::sqrt(3.0);
-    Vector3 axis = Vector3::Zero();
-    if (!candidates.sheets.triangles.empty()) return of_any;
-    for (const Candidate& candidate : candidates.solids.triangles) {
-      const LatticeTriangle& triangle = surface_.triangles[candidate.triangle];
-      if (triangle.folded) return of_any;
-      axis += triangle.normal;
+  [[nodiscard]] Interval by_directions(const Cube& cube, const Cone& cone, const Told& told,
+                                       double truth) const {
+    std::array<Interval, 2> off;
+    for (std::size_t k = 0; k < told.count; ++k) {
+      const Quadratic& map = told.maps[k].near;
+      // The map's own gradient changes; half of that counts, since it grows from the middle on.
+      const double bend = cube.half * map.bend.cwiseAbs().sum();
+      const double most = cone.most_difference(map.gradient);
+      const double reach = cube.half * (most + bend) + rounding + told.maps[k].off;
+      off[k] = {map.value - truth - reach, map.value - truth + reach};
     }
-    if (!(axis.norm() > 0)) return of_any;
-    axis.normalize();
-    double cosine = 1, most = 0;
-    for (const Candidate& candidate : candidates.solids.triangles) {
-      const Vector3& normal = surface_.triangles[candidate.triangle].normal;
-      if (normal == Vector3::Zero()) continue;
-      cosine = std::min(cosine, axis.dot(normal));
-      most = std::max(most, (gradient - normal).lpNorm<1>());
-    }
-    if (cosine < min_cone_cosine) return of_any;
-    // A direction between normals is one of their mixtures made longer, by no more than this.
-    return std::min(of_any, most + std::sqrt(3.0) * (1 - cosine));
+    return {of_both(told, off[0].low, off[1].low), of_both(told, off[0].high, off[1].high)};
   }
 
   /// On one side of the surface the unsigned distance is the least of the distances of the
   /// candidates, and each of these is convex: it lies above its tangent at the middle, and below
   /// what its values at the corners give in between. Where the lesser of two maps answers, either
   /// of them may keep below a candidate, another one below the next.
-  Interval by_convexity(const Candidates& candidates, const Cube& cube,
-                        const std::array<FieldBound, 2>& signed_maps, bool inside) const {
+  Interval by_convexity(const Candidates& candidates, const Cube& cube, const Told& told,
+                        bool inside) const {
     std::array<Quadratic, 2> maps;
     std::array<double, 2> low{}, rise{}, over{};
-    for (std::size_t k = 0; k < fields_.size(); ++k) {
-      maps[k] = signed_maps[k].near.times(inside ? -1 : 1);
-      low[k] = least_over(candidates, cube, maps[k]) - signed_maps[k].off;
-      rise[k] = most_rise(maps[k], cube.half) + signed_maps[k].off;
+    for (std::size_t k = 0; k < told.count; ++k) {
+      maps[k] = told.maps[k].near.times(inside ? -1 : 1);
+      low[k] = least_over(candidates, cube, maps[k]) - told.maps[k].off;
+      rise[k] = most_rise(maps[k], cube.half) + told.maps[k].off;
     }
     double high = -std::numeric_limits<double>::infinity();
     for (const Candidate& candidate : candidates.only_kind().triangles) {
-      for (std::size_t k = 0; k < fields_.size(); ++k) {
+      for (std::size_t k = 0; k < told.count; ++k) {
         over[k] = maps[k].value - (candidate.distance - felt_nearer(surface_, candidates)) +
                   rise[k] + cube.half * (maps[k].gradient - candidate.tangent).lpNorm<1>();
       }
-      high = std::max(high, of_both(over[0], over[1], inside));
+      high = std::max(high, of_both(told, over[0], over[1], inside));
     }
-    const Interval bounds{of_both(low[0], low[1], inside) - rounding, high + rounding};
+    const Interval bounds{of_both(told, low[0], low[1], inside) - rounding, high + rounding};
     return inside ? Interval{-bounds.high, -bounds.low} : bounds;
   }
 
@@ -256,21 +333,19 @@ class Proof {
 
 }  // namespace
 
-bool prove_fields(const LatticeSurface& surface, const Candidates& candidates, const Cube& cube,
-                  std::optional<bool> inside, OctreeKind kind,
+bool prove_fields(const LatticeSurface& surface, CandidateTree& tree, MapPair pair,
                   std::span<const BoundedField* const> fields, const Band& band, double tolerance) {
-  return Proof(surface, band, tolerance, kind, fields).holds(candidates, cube, inside, 0);
+  return Proof(surface, band, tolerance, pair, fields).holds(tree);
 }
 
-bool prove_maps(const LatticeSurface& surface, const Candidates& candidates, const Cube& cube,
-                std::optional<bool> inside, const FittedMaps& fitted,
+bool prove_maps(const LatticeSurface& surface, CandidateTree& tree, const FittedMaps& fitted,
                 std::span<const SupportPlane> planes, const Band& band, double tolerance) {
   std::vector<PolynomialField> maps;
   for (const LocalMap& map : fitted.maps) {
-    maps.emplace_back(along_axes(map, planes[map.plane], cube));
+    maps.emplace_back(along_axes(map, planes[map.plane], tree.cube));
   }
   const std::array<const BoundedField*, 2> fields{&maps.front(), &maps.back()};
-  return prove_fields(surface, candidates, cube, inside, fitted.kind,
+  return prove_fields(surface, tree, {fitted.kind == OctreeKind::most, false},
                       std::span(fields).first(maps.size()), band, tolerance);
 }
 

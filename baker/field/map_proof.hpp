@@ -1,7 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
-#include <optional>
 #include <span>
 
 #include "baker/charts/bounded_field.hpp"
@@ -15,20 +14,17 @@ namespace spm::baker {
 /// With nine tenths more maps would be rejected, and a file be 4 % longer; with this, 0.2 %.
 inline constexpr double beyond_share = 0.75;
 
-/// Proves that a field, or the smaller (`least`) or larger (`most`) of two, is off by at most
+/// Proves that a field, or two of them, is off by at most
 /// `tolerance` (m) at every place of a cube that is in the band, and that beyond the band they tell
 /// so, within the tolerance; and that the surface is as far beyond the margin as beyond_share
 /// promises, within the tolerance. By bounds over cubes that are divided further and further; by no
-/// sample. `inside` is the side of the whole cube, empty where the surface passes. False where it
-/// is not so, or where so many cubes do not suffice.
-[[nodiscard]] bool prove_fields(const LatticeSurface& surface, const Candidates& candidates,
-                                const Cube& cube, std::optional<bool> inside, OctreeKind kind,
+/// sample. Adds to the tree. False where it is not so, or where so many cubes do not suffice.
+[[nodiscard]] bool prove_fields(const LatticeSurface& surface, CandidateTree& tree, MapPair pair,
                                 std::span<const BoundedField* const> fields, const Band& band,
                                 double tolerance);
 
 /// The same of polynomials.
-[[nodiscard]] bool prove_maps(const LatticeSurface& surface, const Candidates& candidates,
-                              const Cube& cube, std::optional<bool> inside,
+[[nodiscard]] bool prove_maps(const LatticeSurface& surface, CandidateTree& tree,
                               const FittedMaps& fitted, std::span<const SupportPlane> planes,
                               const Band& band, double tolerance);
 

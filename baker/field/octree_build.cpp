@@ -32,7 +32,7 @@ namespace {
 /// Share of the tolerance by which samples may be off; the rest is for places between them.
 constexpr double fit_share = 0.9;
 /// Maps may take so many times the bytes of a polynomial before it is taken in their place.
-constexpr double polynomial_worth = 5, polynomial_bytes = 16;
+constexpr double polynomial_worth = 8, polynomial_bytes = 16;
 constexpr double sample_bytes = 4;  ///< of a map
 /// The octree may take so many times the fewest bytes that it could, where that makes it faster;
 /// and so many bytes in any case.
@@ -71,9 +71,10 @@ class Builder {
     if (surface_.sheet_thickness > 0)
       around += 2 * (surface_.sheet_thickness + surface_.displacement);
     caster_.boxes_within(cube.middle, around, triangles);
-    const Candidates candidates = candidates_of(surface_, triangles, cube);
-    keep_few(node, candidates, inside);
-    if (!beyond) answer(node, candidates, inside, 0);
+    CandidateTree tree =
+        candidate_tree(surface_, cube, candidates_of(surface_, triangles, cube), inside);
+    keep_few(node, tree);
+    if (!beyond) answer(node, tree, 0);
     return node;
   }
 
@@ -84,10 +85,11 @@ class Builder {
 
   /// Divides a short list once.
   void divide_list(OctreeNode& node) const {
-    const Candidates candidates = candidates_of(surface_, *node.few, node.cube);
+    CandidateTree tree = candidate_tree(surface_, node.cube,
+                                        candidates_of(surface_, *node.few, node.cube), node.inside);
     node.solids.clear();
     node.sheets.clear();
-    divide_in_octants(node, candidates, node.inside, level_of(node.cube));
+    divide_in_octants(node, tree, level_of(node.cube));
   }
 
  private:
@@ -127,16 +129,13 @@ class Builder {
   }
 
   /// Decides what a cube below another one is.
-  void decide(OctreeNode& node, const Candidates& candidates, std::optional<bool> inside,
-              int level) const {
-    if (!inside && candidates.solids.distance() > node.cube.radius()) {
-      inside = is_middle_inside(surface_, candidates, node.cube);
-    }
-    keep_few(node, candidates, inside);
+  void decide(OctreeNode& node, CandidateTree& tree, int level) const {
+    const Candidates& candidates = tree.candidates;
+    keep_few(node, tree);
     double distance = 0;
     Vector3 direction = Vector3::UnitZ();
-    if (inside) {
-      const double sign = *inside ? -1 : 1;
+    if (tree.inside) {
+      const double sign = *tree.inside ? -1 : 1;
       distance = sign * candidates.solids.distance();
       if (!candidates.solids.triangles.empty()) {
         direction = sign * candidates.solids.triangles.front().tangent;
@@ -148,56 +147,56 @@ class Builder {
       }
     }
     if (decided(node, distance, direction)) return;
-    answer(node, candidates, inside, level);
+    answer(node, tree, level);
   }
 
   /// Finds what answers in a cube of the band, whose few triangles are kept.
-  void answer(OctreeNode& node, const Candidates& candidates, std::optional<bool> inside,
-              int level) const {
+  void answer(OctreeNode& node, CandidateTree& tree, int level) const {
     const bool last = level == rules_.levels || node.few;
     Samples samples;
-    if (fits(node, candidates, inside, last || !rules_.maps, samples)) return;
+    if (fits(node, tree, last || !rules_.maps, samples)) return;
     if (last) {
-      Candidates least = nearest_in_parts(surface_, candidates, node.cube, 1);
+      Candidates least = nearest_in_parts(surface_, tree.candidates, node.cube, 1);
       // Another packet takes as long as a first one.
       if (level == rules_.levels && least.size() > packet_size) {
         least = nearest_in_parts(surface_, least, node.cube, 2);
       }
-      keep_few(node, least, inside);
-      become_list(node, least, inside);
+      tree.candidates = std::move(least);
+      keep_few(node, tree);
+      become_list(node, tree);
       return;
     }
-    divide_in_octants(node, candidates, inside, level);
+    divide_in_octants(node, tree, level);
     // Maps may take many small cubes where a polynomial takes a large one.
     if (bytes_as_divided(node) > polynomial_worth * polynomial_bytes &&
-        fits_polynomials(node, candidates, inside, samples)) {
+        fits_polynomials(node, tree, samples)) {
       node.octants.reset();
     }
   }
 
-  void divide_in_octants(OctreeNode& node, const Candidates& candidates, std::optional<bool> inside,
-                         int level) const {
+  void divide_in_octants(OctreeNode& node, CandidateTree& tree, int level) const {
     node.kind = OctreeKind::split;
     node.octants = std::make_unique<std::array<OctreeNode, 8>>();
-    const std::array<Candidates, 8> within = candidates_in_octants(surface_, candidates, node.cube);
+    std::array<CandidateTree, 8>& within = tree.parts(surface_);
     for (std::size_t octant = 0; octant < 8; ++octant) {
       OctreeNode& part = (*node.octants)[octant];
       part.cube = node.cube.octant(octant);
-      decide(part, within[octant], inside, level + 1);
+      decide(part, within[octant], level + 1);
+      within[octant].octants.reset();
     }
     join_octants(node);
-    if (inside) node.inside = inside;
+    if (tree.inside) node.inside = tree.inside;
   }
 
   /// Remembers the candidates where they are few.
-  static void keep_few(OctreeNode& node, const Candidates& candidates, std::optional<bool> inside) {
-    node.inside = inside;
-    if (candidates.size() > few_triangles) {
+  static void keep_few(OctreeNode& node, const CandidateTree& tree) {
+    node.inside = tree.inside;
+    if (tree.candidates.size() > few_triangles) {
       node.few.reset();
       return;
     }
     std::vector<std::uint32_t> few;
-    for (const auto* kind : {&candidates.solids, &candidates.sheets}) {
+    for (const auto* kind : {&tree.candidates.solids, &tree.candidates.sheets}) {
       for (const Candidate& candidate : kind->triangles) few.push_back(candidate.triangle);
     }
     node.few = std::move(few);
@@ -205,32 +204,21 @@ class Builder {
 
   /// Whether maps, or else polynomials, answer within the tolerance everywhere in the cube. Where
   /// smaller cubes are still to come, maps alone.
-  bool fits(OctreeNode& node, const Candidates& candidates, std::optional<bool> inside,
-            bool smallest, Samples& samples) const {
-    if (candidates.mixed()) return false;
-    return take(node, proven_.maps_of(node.cube,
-                                      [&] {
-                                        return charts_of(
-                                            candidates,
-                                            samples_of(node, candidates, inside, samples),
-                                            node.cube, inside);
-                                      })) ||
-           (smallest && fits_polynomials(node, candidates, inside, samples));
+  bool fits(OctreeNode& node, CandidateTree& tree, bool smallest, Samples& samples) const {
+    if (tree.candidates.mixed()) return false;
+    return take(node, proven_.maps_of(node.cube, [&] { return charts_of(tree, samples); })) ||
+           (smallest && fits_polynomials(node, tree, samples));
   }
 
-  bool fits_polynomials(OctreeNode& node, const Candidates& candidates, std::optional<bool> inside,
-                        Samples& samples) const {
-    if (candidates.mixed()) return false;
-    return take(node, proven_.polynomials_of(node.cube, [&] {
-      return polynomials_of(candidates, samples_of(node, candidates, inside, samples), node.cube,
-                            inside);
-    }));
+  bool fits_polynomials(OctreeNode& node, CandidateTree& tree, Samples& samples) const {
+    if (tree.candidates.mixed()) return false;
+    return take(node,
+                proven_.polynomials_of(node.cube, [&] { return polynomials_of(tree, samples); }));
   }
 
   /// Samples of a cube, made where they are first asked for.
-  const std::vector<CubeSample>& samples_of(const OctreeNode& node, const Candidates& candidates,
-                                            std::optional<bool> inside, Samples& samples) const {
-    if (!samples) samples = sample_cube(surface_, candidates, node.cube, inside);
+  const std::vector<CubeSample>& samples_of(const CandidateTree& tree, Samples& samples) const {
+    if (!samples) samples = sample_cube(surface_, tree.candidates, tree.cube, tree.inside);
     return *samples;
   }
 
@@ -240,19 +228,17 @@ class Builder {
     node.kind = maps->kind;
     node.words = maps->words;
     node.charts = maps->charts;
-    node.larger = maps->larger;
+    node.pair = maps->pair;
     node.shared_bytes = maps->shared_bytes;
     return true;
   }
 
-  [[nodiscard]] std::optional<CubeMaps> polynomials_of(const Candidates& candidates,
-                                                       const std::vector<CubeSample>& samples,
-                                                       const Cube& cube,
-                                                       std::optional<bool> inside) const {
+  [[nodiscard]] std::optional<CubeMaps> polynomials_of(CandidateTree& tree,
+                                                       Samples& samples) const {
     for (const auto& fit : {fit_one, fit_two}) {
-      const std::optional<FittedMaps> fitted = fit(samples, cube, fit_);
-      if (!fitted || !prove_maps(surface_, candidates, cube, inside, *fitted, fit_.planes,
-                                 rules_.band, rules_.tolerance)) {
+      const std::optional<FittedMaps> fitted = fit(samples_of(tree, samples), tree.cube, fit_);
+      if (!fitted ||
+          !prove_maps(surface_, tree, *fitted, fit_.planes, rules_.band, rules_.tolerance)) {
         continue;
       }
       CubeMaps maps;
@@ -266,32 +252,29 @@ class Builder {
   }
 
   /// The distance maps that answer in a cube.
-  [[nodiscard]] std::optional<CubeMaps> charts_of(const Candidates& candidates,
-                                                  const std::vector<CubeSample>& samples,
-                                                  const Cube& cube,
-                                                  std::optional<bool> inside) const {
+  [[nodiscard]] std::optional<CubeMaps> charts_of(CandidateTree& tree, Samples& samples) const {
     // Charts are of solids.
-    if (!rules_.maps || !candidates.sheets.triangles.empty()) return std::nullopt;
-    for (const auto& find : {find_one_chart, find_two_charts}) {
-      const std::optional<FittedCharts> found = find(samples, cube, charts_);
-      if (!found) continue;
+    if (!rules_.maps || !tree.candidates.sheets.triangles.empty()) return std::nullopt;
+    const auto proven = [&](const FittedCharts& found) {
       std::vector<ChartField> fields;
       std::vector<const BoundedField*> bounded;
-      for (const ChartAtLevel& at : found->charts) {
+      for (const ChartAtLevel& at : found.charts) {
         fields.emplace_back(*charts_.heights, at.chart, at.level);
       }
       bounded.reserve(fields.size());
       for (const ChartField& field : fields) bounded.push_back(&field);
-      if (!prove_fields(surface_, candidates, cube, inside, found->how, bounded, rules_.band,
-                        rules_.tolerance)) {
-        continue;
-      }
+      return prove_fields(surface_, tree, found.pair, bounded, rules_.band, rules_.tolerance);
+    };
+    for (const auto& find : {find_one_chart, find_two_charts}) {
+      const std::optional<FittedCharts> found =
+          find(samples_of(tree, samples), tree.cube, charts_, proven);
+      if (!found) continue;
       CubeMaps maps;
       maps.kind = OctreeKind::map;
       maps.charts = found->charts;
-      maps.larger = found->how == OctreeKind::most;
+      maps.pair = found->pair;
       for (const ChartAtLevel& at : found->charts) {
-        maps.shared_bytes += bytes_of_heights(at, cube);
+        maps.shared_bytes += bytes_of_heights(at, tree.cube);
       }
       return maps;
     }
@@ -307,10 +290,9 @@ class Builder {
     return sample_bytes * along * along / std::max(1.0, deep);
   }
 
-  void become_list(OctreeNode& node, const Candidates& candidates,
-                   std::optional<bool> inside) const {
+  static void become_list(OctreeNode& node, const CandidateTree& tree) {
     node.kind = OctreeKind::list;
-    node.side = side_of(inside);
+    node.side = side_of(tree.inside);
     const auto listed = [&](const std::vector<Candidate>& from, auto& to) {
       for (const Candidate& candidate : from) {
         // Distances are convex, so nowhere below the tangent.
@@ -318,8 +300,8 @@ class Builder {
         to.push_back({candidate.triangle, std::max(0.0, candidate.distance - falls)});
       }
     };
-    listed(candidates.solids.triangles, node.solids);
-    listed(candidates.sheets.triangles, node.sheets);
+    listed(tree.candidates.solids.triangles, node.solids);
+    listed(tree.candidates.sheets.triangles, node.sheets);
   }
 };
 

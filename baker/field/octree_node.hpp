@@ -27,7 +27,7 @@ struct OctreeNode {
   Cube cube;
   std::vector<std::uint32_t> words;     ///< of polynomials and of deep cubes
   std::vector<ChartAtLevel> charts;     ///< of maps: one, or two
-  bool larger = false;                  ///< of two maps: the larger distance counts
+  MapPair pair;                         ///< of two maps
   double shared_bytes = 0;              ///< of maps: what their heights take, beside other cubes
   double clearance = 0;                 ///< of a far one's middle, m
   std::vector<ListedCandidate> solids;  ///< triangles of a list

@@ -58,7 +58,7 @@ class Writer {
   [[nodiscard]] std::uint32_t word_of(const OctreeNode& node) const {
     const std::uint32_t first = number_of(node, node.charts.front());
     if (node.charts.size() == 1) return word_of_map(first);
-    return word_of_maps(first, number_of(node, node.charts.back()), node.larger);
+    return word_of_maps(first, number_of(node, node.charts.back()), node.pair);
   }
 
   std::uint32_t reserve(std::size_t words) {

@@ -22,7 +22,7 @@ struct CubeMaps {
   OctreeKind kind = OctreeKind::polynomial;
   std::vector<std::uint32_t> words;
   std::vector<ChartAtLevel> charts;  ///< as OctreeNode
-  bool larger = false;
+  MapPair pair;
   double shared_bytes = 0;
 };
 

@@ -25,7 +25,7 @@ namespace spm::baker {
 namespace {
 
 /// Of polynomials, and of the distance maps that answer.
-constexpr std::size_t directions = 8, map_directions = 20;
+constexpr std::size_t directions = 8, map_directions = 42;
 /// The coarsest spacing of these maps, of the diagonal, which flat charts have; that of others is
 /// halved down to a 64th, and once more where it must be. Flat is what is so within a share of the
 /// tolerance.
@@ -40,7 +40,7 @@ constexpr double min_tolerance_share = 1e-5;
 /// Directions may be off by so many times what is asked for in the mean over a cube: over all cubes
 /// their median stays below that, and their 99th percentile below 3.75 times.
 /// Where little is asked for, what facets turn by counts in all cubes, and they are alike.
-constexpr double leaf_direction = 1.8, fine_direction = 0.06, fine_leaf_direction = 1.5;
+constexpr double leaf_direction = 2.1, fine_direction = 0.06, fine_leaf_direction = 1.5;
 /// The smallest cubes of the octree, of the band's depth, but in a thin band no smaller than the
 /// lesser of so many tolerances and that share of the diagonal: smaller ones take more bytes than
 /// they save. Roots are halved to them so often that there are about this many along diagonal and

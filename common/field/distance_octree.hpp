@@ -62,17 +62,23 @@ inline constexpr int max_octree_levels = 12;
 /// The most distance maps that words can name.
 inline constexpr std::uint32_t max_named_maps = (1U << 15U) - 1;
 
-/// What the word of a map says: bits 0-15 the number of a chart (HeightChart), bits 16-30 that of a
-/// second one plus 1, or 0, bit 31 set where the larger of both distances counts, not the smaller.
+/// How the distances of two maps make one.
+struct MapPair {
+  bool larger = false;  ///< the larger one counts, not the smaller
+  bool edge = false;    ///< where the edge of both surfaces is what is nearest, its distance does
+};
+
+/// What the word of a map says: bits 0-14 the number of a chart (HeightChart), bits 16-30 that of a
+/// second one plus 1, or 0; bits 31 and 15 how they make one distance (MapPair: larger, edge).
 struct NamedMaps {
   std::uint32_t first = 0;
   std::uint32_t second_from_one = 0;  ///< 0: there is no second one
-  bool larger = false;
+  MapPair pair;
 
   explicit constexpr NamedMaps(std::uint32_t word) noexcept
-      : first(word & 0xFFFFU),
+      : first(word & max_named_maps),
         second_from_one(word >> 16U & max_named_maps),
-        larger(word >> 31U != 0) {}
+        pair{word >> 31U != 0, (word >> 15U & 1U) != 0} {}
   [[nodiscard]] constexpr bool two() const noexcept { return second_from_one != 0; }
   [[nodiscard]] constexpr std::uint32_t second() const noexcept { return second_from_one - 1; }
 };
@@ -80,8 +86,9 @@ struct NamedMaps {
 /// The word of one map, or of two.
 [[nodiscard]] constexpr std::uint32_t word_of_map(std::uint32_t map) noexcept { return map; }
 [[nodiscard]] constexpr std::uint32_t word_of_maps(std::uint32_t first, std::uint32_t second,
-                                                   bool larger) noexcept {
-  return first | (second + 1) << 16U | (larger ? 1U << 31U : 0U);
+                                                   MapPair pair) noexcept {
+  return first | (second + 1) << 16U | (pair.larger ? 1U << 31U : 0U) |
+         (pair.edge ? 1U << 15U : 0U);
 }
 
 /// Whether polynomials are all that a cube's answers come from.

@@ -13,6 +13,7 @@
 #include "common/query/band_distance.hpp"
 #include "common/query/leaf_maps.hpp"
 #include "common/surface/closest_on_triangle.hpp"
+#include "common/surface/edge_distance.hpp"
 
 namespace spm {
 
@@ -109,33 +110,38 @@ Answer answer_by_list(const AssetView& asset, const Leaf& leaf, const std::uint3
 
 double square_of(const Vector3& v) noexcept { return v[0] * v[0] + v[1] * v[1] + v[2] * v[2]; }
 
-/// Eq. 3 to 5 on the distance maps of a leaf, and d = -(S_SP - D_SP(P_M)) / |n_S|, which is the
-/// distance of the surface's tangent plane at P_M: the paper's eq. 3 with the cosine between n_S
-/// and n_SP as the only difference.
-Answer answer_by_map(const AssetView& asset, const NamedMaps& maps, const Vector3& point) noexcept {
+/// What one distance map tells: d = -(S_SP - D_SP(P_M)) / |n_S| and n_S of length 1 (eq. 3 to 5).
+/// That is the distance of the surface's tangent plane at P_M: the paper's eq. 3 with the cosine
+/// between n_S and n_SP as the only difference. False where P_M is not on the map.
+bool tangent_distance(const AssetView& asset, std::uint32_t chart, const Vector3& point,
+                      Answer& answer) noexcept {
   MapContact contact;
-  if (maps.first >= asset.charts.size() || !contact_on(asset.charts[maps.first], point, contact)) {
-    return unanswered(Status::far);
+  if (chart >= asset.charts.size() || !contact_on(asset.charts[chart], point, contact)) {
+    return false;
   }
-  std::uint32_t chart = maps.first;
-  double per = 1 / std::sqrt(square_of(contact.normal));
-  if (maps.two()) {
-    MapContact other;
-    if (maps.second() >= asset.charts.size() ||
-        !contact_on(asset.charts[maps.second()], point, other)) {
-      return unanswered(Status::far);
-    }
-    const double other_per = 1 / std::sqrt(square_of(other.normal));
-    const bool smaller = other_per * other.penetration > per * contact.penetration;
-    if (smaller != maps.larger) {
-      chart = maps.second();
-      contact = other;
-      per = other_per;
-    }
-  }
-  Answer answer;
+  const double per = 1 / std::sqrt(square_of(contact.normal));
   answer.distance = -per * contact.penetration;
   answer.normal = {per * contact.normal[0], per * contact.normal[1], per * contact.normal[2]};
+  return true;
+}
+
+/// The answer of one distance map, or of two and the edge where their surfaces meet.
+Answer answer_by_map(const AssetView& asset, const NamedMaps& maps, const Vector3& point) noexcept {
+  Answer answer;
+  if (!tangent_distance(asset, maps.first, point, answer)) return unanswered(Status::far);
+  std::uint32_t chart = maps.first;
+  if (maps.two()) {
+    Answer other;
+    if (!tangent_distance(asset, maps.second(), point, other)) return unanswered(Status::far);
+    const Vector3 &n = answer.normal, &m = other.normal;
+    const double sign = maps.pair.larger ? 1 : -1;
+    const double cosine = maps.pair.edge ? n[0] * m[0] + n[1] * m[1] + n[2] * m[2] : 1;
+    const EdgeDistance edge = edge_distance(sign * answer.distance, sign * other.distance, cosine);
+    if (edge.second > edge.first) chart = maps.second();
+    answer.distance = sign * edge.distance;
+    answer.normal = {edge.first * n[0] + edge.second * m[0], edge.first * n[1] + edge.second * m[1],
+                     edge.first * n[2] + edge.second * m[2]};
+  }
   answer.plane = static_cast<std::int32_t>(asset.charts[chart].plane);
   answer.source = Source::map;
   answer.status = Status::exact;

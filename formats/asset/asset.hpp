@@ -13,7 +13,7 @@
 namespace spm {
 
 /// The version of the file format that this program writes and reads.
-inline constexpr int asset_format_version = 9;
+inline constexpr int asset_format_version = 10;
 
 enum class AssetForm { sparse, full };
 

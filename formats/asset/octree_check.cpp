@@ -142,7 +142,7 @@ class OctreeCheck {
 
   [[nodiscard]] std::string_view chart_problem(const NamedMaps& maps) const {
     if (maps.first >= asset_.charts.size() || maps.second_from_one > asset_.charts.size() ||
-        (!maps.two() && maps.larger)) {
+        (!maps.two() && (maps.pair.larger || maps.pair.edge))) {
       return "names a distance map that does not exist";
     }
     return {};

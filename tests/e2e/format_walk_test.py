@@ -13,7 +13,7 @@ import unittest
 from programs import Case, generate, run
 
 MAP, SPLIT = 5, 8
-LARGER = 1 << 31
+LARGER, EDGE, NUMBER = 1 << 31, 1 << 15, (1 << 15) - 1
 
 
 def dot(a, b):
@@ -58,6 +58,7 @@ class Exr:
 class Reader:
     def __init__(self, path):
         exr = Exr(path)
+        self.edges = 0
         self.octree, self.atlas = exr.description["octree"], exr.description["atlas"]
         self.planes = exr.description["planes"]
         self.heights, self.maps = exr.samples("heights", "f"), exr.samples("grid_maps", "I")
@@ -121,10 +122,19 @@ class Reader:
         if kind != MAP:
             return None
         word = self.cubes[at]
-        found = [self.on_map(word & 0xFFFF, place)]
-        if second := word >> 16 & 0x7FFF:
-            found.append(self.on_map(second - 1, place))
-        return (max if word & LARGER else min)(found)
+        first = self.on_map(word & NUMBER, place)
+        if not word >> 16 & NUMBER:
+            return first
+        second = self.on_map((word >> 16 & NUMBER) - 1, place)
+        sign = 1 if word & LARGER else -1
+        cosine = dot(first[1], second[1])
+        a, b = sign * first[0], sign * second[0]
+        if not (word & EDGE and max(a, b) > 0 and min(a, b) > cosine * max(a, b)):
+            return first if a > b else second
+        self.edges += 1
+        square = (a * a + b * b - 2 * cosine * a * b) / (1 - cosine * cosine)
+        parts = [x / ((1 - cosine * cosine) * math.sqrt(square)) for x in (a - cosine * b, b - cosine * a)]
+        return sign * math.sqrt(square), [parts[0] * n + parts[1] * m for n, m in zip(first[1], second[1])]
 
 
 class FormatWalk(Case):
@@ -152,6 +162,7 @@ class FormatWalk(Case):
             self.assertAlmostEqual(float(row["distance"]), found[0], delta=1e-8)
             self.assertLess(math.dist([float(row[k]) for k in ("nx", "ny", "nz")], found[1]), 1e-4)
         self.assertGreater(compared, 2000)
+        self.assertGreater(reader.edges, 0)
 
 
 if __name__ == "__main__":

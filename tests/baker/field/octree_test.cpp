@@ -130,6 +130,26 @@ TEST_CASE("Everywhere in the band the octree answers, on the right side, within 
   }
 }
 
+TEST_CASE("In front of a box's edges two maps answer with the distance from the edge") {
+  const Built made(test::box({0.02, 0.01, 0.004}));
+  std::size_t found = 0;
+  visit_leaves(made.view.octree, [&](const Leaf& leaf) {
+    const std::uint32_t* words = words_at(made.view.octree, leaf);
+    if (leaf.kind != OctreeKind::map || !NamedMaps(words[0]).pair.edge) return;
+    for (const double x : {-0.9, -0.3, 0.3, 0.9}) {
+      const Vector3 place = leaf.middle + leaf.half * Vector3(x, 0.7 * x, -0.4 * x);
+      const ClosestPoint truth = made.caster.closest(place);
+      if (truth.distance < 1e-4 || truth.distance > 4e-4) continue;
+      const Answer answer = query_point(made.view, place);
+      const Vector3 away = truth.direction;
+      CHECK(answer.distance == Approx(truth.distance).margin(1e-6));
+      CHECK((answer.normal - away).norm() < 1e-3);
+      found += away.cwiseAbs().maxCoeff() < 0.99 ? 1 : 0;
+    }
+  });
+  CHECK(found > 40);
+}
+
 TEST_CASE("With fewer bytes more lists answer, as right, and with more bytes fewer") {
   for (const test::Shape& shape :
        {test::box({0.02, 0.01, 0.004}), test::torus(0.01, 0.003, 16, 10), test::wedge(0.2, 0.02)}) {
@@ -300,17 +320,14 @@ ProofCounts prove_and_spoil(const Built& made, const Fit& fit) {
     const double distance = std::abs(made.rounded.closest(cube.middle).distance);
     std::vector<std::uint32_t> near;
     made.rounded.within(cube.middle, distance + 2 * cube.radius(), near);
-    const Candidates candidates = candidates_of(made.lattice, near, cube);
-    std::optional<bool> inside;
-    if (candidates.solids.distance() > cube.radius()) {
-      inside = is_middle_inside(made.lattice, candidates, cube);
-    }
-    const std::vector<CubeSample> samples = sample_cube(made.lattice, candidates, cube, inside);
+    CandidateTree tree =
+        candidate_tree(made.lattice, cube, candidates_of(made.lattice, near, cube), {});
+    const std::vector<CubeSample> samples =
+        sample_cube(made.lattice, tree.candidates, cube, tree.inside);
     const std::optional<FittedMaps> fitted = fit(samples, cube, rules);
     if (!fitted) return;
     const auto is_proven = [&](const FittedMaps& maps) {
-      return prove_maps(made.lattice, candidates, cube, inside, maps, made.planes, made.rules.band,
-                        tolerance);
+      return prove_maps(made.lattice, tree, maps, made.planes, made.rules.band, tolerance);
     };
     counts.proven += is_proven(*fitted) ? 1U : 0U;
     for (const double sign : {-1.0, 1.0}) {
@@ -350,15 +367,15 @@ TEST_CASE(
   const Cube cube{{0.001, 0.002, 1e-6}, 0.4 * tolerance};
   std::vector<std::uint32_t> near;
   made.rounded.within(cube.middle, 3 * cube.radius(), near);
-  const Candidates candidates = candidates_of(made.lattice, near, cube);
-  const std::vector<CubeSample> samples = sample_cube(made.lattice, candidates, cube, {});
+  CandidateTree tree =
+      candidate_tree(made.lattice, cube, candidates_of(made.lattice, near, cube), {});
+  const std::vector<CubeSample> samples = sample_cube(made.lattice, tree.candidates, cube, {});
   const FitRules rules{made.planes, made.rules.band, made.built.data.value_unit, 0.9 * tolerance,
                        std::numbers::pi};
   const auto proves = [&](double share) {
     const std::optional<FittedMaps> fitted = fit_one(samples, cube, rules);
     REQUIRE(fitted);
-    return prove_maps(made.lattice, candidates, cube, {}, *fitted, made.planes, made.rules.band,
-                      share * tolerance);
+    return prove_maps(made.lattice, tree, *fitted, made.planes, made.rules.band, share * tolerance);
   };
   CHECK(proves(1));
   CHECK_FALSE(proves(0.1));

@@ -69,7 +69,7 @@ TEST_CASE("Directions that jump at the medial surface of a thin lens are told ap
   CHECK(found.contested < found.places);
   // Across it the truth turns by almost 180 degrees.
   CHECK(found.contested_direction.max > 1.4);
-  CHECK(found.direction.p99 < 0.6);
+  CHECK(found.direction.p99 < 0.7);
 }
 
 TEST_CASE("Whatever the seed, jumps are in order and within what the tolerance allows") {

@@ -200,8 +200,8 @@ std::vector<Damage> wrong_descriptions() {
   const std::string lists = std::to_string(sparse_asset(1).octree.lists.size());
   return {
       {"the version before",
-       with_header_text(sparse, "\"format_version\":9", "\"format_version\":4"),
-       "format version 4, this program reads 9; an older spm-bake wrote it; bake it again"},
+       with_header_text(sparse, "\"format_version\":10", "\"format_version\":4 "),
+       "format version 4, this program reads 10; an older spm-bake wrote it; bake it again"},
       {"tolerance NaN",
        with_header_text(sparse, "\"tolerance\":3.3333333333333335e-05",
                         "\"tolerance\":NaN                   "),

@@ -104,7 +104,7 @@ std::vector<Damage> wrong_cubes() {
       {"a polynomial of which half is there", with_cube(polynomial, {0, 0}), cut},
       {"a map that does not exist", with_cube(OctreeKind::map, {word_of_map(6)}),
        "names a distance map that does not exist"},
-      {"a second map that does not exist", with_cube(OctreeKind::map, {word_of_maps(0, 6, false)}),
+      {"a second map that does not exist", with_cube(OctreeKind::map, {word_of_maps(0, 6, {})}),
        "names a distance map that does not exist"},
       {"a second map that is none", with_cube(OctreeKind::map, {1U << 31U}),
        "names a distance map that does not exist"},

@@ -81,7 +81,8 @@ class OctreeMaker {
     } else if (kind == OctreeKind::map) {
       words = {word_of_map(below(random_, charts_))};
       if (below(random_, 2) == 0) {
-        words = {word_of_maps(words[0], below(random_, charts_), below(random_, 2) == 0)};
+        words = {word_of_maps(words[0], below(random_, charts_),
+                              {below(random_, 2) == 0, below(random_, 2) == 0})};
       }
     } else if (kind == OctreeKind::deep) {
       words = {pack_octahedral(random_.direction())};
