@@ -115,13 +115,21 @@ Layout arrange(const std::vector<Shape>& shapes, std::uint32_t width) {
   return layout;
 }
 
-/// The smallest picture of several widths, the first of equals.
+/// The smallest picture of several widths, the first of equals: up to nine times as high as wide.
 Layout arrange(const std::vector<Shape>& shapes) {
   std::uint32_t widest = 0;
-  for (const Shape& shape : shapes) widest = std::max(widest, shape.columns);
+  std::uint64_t heights = 0;
+  for (const Shape& shape : shapes) {
+    widest = std::max(widest, shape.columns);
+    heights += shape.count;
+  }
+  const double square = std::sqrt(static_cast<double>(heights));
   std::optional<Layout> best;
   for (const std::uint32_t width : widths) {
-    if (width < widest && width != widths.back()) continue;
+    if (width != widths.back() &&
+        (width < widest || width < square / 3 || (best && width > square)))
+      continue;
+    if (best && width == widths.back()) break;
     Layout next = arrange(shapes, std::max(width, widest));
     // No picture is so long that no viewer shows it.
     if (next.height > max_height && width != widths.back()) continue;

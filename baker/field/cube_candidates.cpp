@@ -284,6 +284,19 @@ bool CandidateTree::is_middle_inside(const LatticeSurface& surface) {
   return *inside_at_middle;
 }
 
+void CandidateTree::need_witnesses(const LatticeSurface& surface) {
+  for (auto* kind : {&candidates.solids, &candidates.sheets}) {
+    if (!kind->witnesses.empty() || kind->triangles.empty()) continue;
+    const std::size_t count = std::min(most_witnesses, kind->triangles.size());
+    kind->witnesses.reserve(count);
+    for (std::size_t k = 0; k < count; ++k) {
+      const std::uint32_t triangle = kind->triangles[k].triangle;
+      kind->witnesses.push_back({triangle, corner_distances(surface.triangles[triangle].corners,
+                                                            cube.middle, cube.half)});
+    }
+  }
+}
+
 std::array<CandidateTree, 8>& CandidateTree::parts(const LatticeSurface& surface) {
   if (octants) return *octants;
   octants = std::make_unique<std::array<CandidateTree, 8>>();

@@ -47,7 +47,7 @@ struct Witness {
 /// Triangles of solids, or of sheets, that may be the nearest to some place of a cube.
 struct CandidatesOfKind {
   std::vector<Candidate> triangles;  ///< the nearest to the middle first
-  std::vector<Witness> witnesses;    ///< some of the nearest, where there are many
+  std::vector<Witness> witnesses;    ///< some of the nearest, where they were asked for
   /// m, the unsigned distance of the middle; infinite where there is none.
   [[nodiscard]] double distance() const noexcept;
 };
@@ -94,6 +94,7 @@ struct CandidateTree {
 
   [[nodiscard]] std::array<CandidateTree, 8>& parts(const LatticeSurface& surface);
   [[nodiscard]] bool is_middle_inside(const LatticeSurface& surface);
+  void need_witnesses(const LatticeSurface& surface);
 };
 /// The tree of a cube below one of that side.
 [[nodiscard]] CandidateTree candidate_tree(const LatticeSurface& surface, const Cube& cube,

@@ -25,7 +25,6 @@ constexpr double max_turned = 8;
 constexpr double rounding = 1e-12;
 /// Facets whose normals are within this of their mean: only these bound a direction between them.
 constexpr double min_cone_cosine = 0.2;
-constexpr std::size_t upper_witnesses = 4;
 
 /// At the corners of the cube of that half edge around the quadratic's own middle.
 CornerValues at_corners(const Quadratic& map, double half) {
@@ -207,6 +206,7 @@ class Proof {
     // An edge may be farther than both.
     if (edge.edge) (larger ? whole.high += edge.past : whole.low -= edge.past);
     if (beyond_tolerance(whole) <= 0) return {Verdict::holds};
+    if (inside) tree.need_witnesses(surface_);
     if (inside && !(edge.past > tolerance_)) {
       Interval convex = by_convexity(candidates, cube, told, *inside);
       if (edge.edge) (larger ? convex.high += edge.past : convex.low -= edge.past);
@@ -321,12 +321,6 @@ class Proof {
       low = std::max(low, (told - distances).minCoeff() - bulge);
     };
     for (const Witness& witness : candidates.witnesses) bound_by(witness.distances);
-    for (std::size_t w = 0;
-         candidates.witnesses.empty() && w < std::min(upper_witnesses, candidates.triangles.size());
-         ++w) {
-      const auto& corners = surface_.triangles[candidates.triangles[w].triangle].corners;
-      bound_by(corner_distances(corners, cube.middle, cube.half));
-    }
     return low;
   }
 };
