@@ -19,6 +19,8 @@ constexpr double on_surface = 2e-7;
 /// A step that ends inside by no more than this part of its length follows a curved wall, and is
 /// lifted. One that ends deeper met another wall.
 constexpr double lifted_share = 0.5;
+/// Where answers meet, distances may jump by so many tolerances, which is no other wall.
+constexpr double jump_share = 2;
 /// A step that ends inside, where the nearest way out leads on by more than this part of the step's
 /// length, has passed the middle of a thin wall, and would be lifted out on its far side.
 constexpr double led_on_share = 0.5;
@@ -138,7 +140,10 @@ class Mover {
   bool take(Place& place, Place next) noexcept {
     const double length = (next.at - place.at).norm();
     if (!next.outside()) {
-      if (-next.clearance > lifted_share * length || !lift(next)) return false;
+      if (-next.clearance > std::max(lifted_share * length, jump_share * asset_.tolerance) ||
+          !lift(next)) {
+        return false;
+      }
     }
     if (!(left(next.at) < left(place.at) - settled / 4)) return false;
     place = next;

@@ -4,9 +4,11 @@
 
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <numbers>
 #include <optional>
 
 #include "baker/pipeline/bake.hpp"
+#include "common/contact/proxy.hpp"
 #include "common/field/octree_leaves.hpp"
 #include "common/query/query.hpp"
 #include "formats/asset/asset_writer.hpp"
@@ -101,6 +103,27 @@ TEST_CASE("A distance map that is off shows as jumps on the faces of its cube") 
   CHECK(found.distance.max < by + 2 * tolerance);
   const double from = (found.worst_point - spoilt.middle).lpNorm<Eigen::Infinity>();
   CHECK(from == Approx(spoilt.half).epsilon(1e-6));
+}
+
+TEST_CASE("A jump that the tolerance allows holds no proxy that slides over it") {
+  Baked baked(sphere());
+  const Leaf spoilt = test::spoil_largest_map(baked.asset, 180e-6);
+  const AssetTables tables = tables_of(baked.asset);
+  const Vector3 over = spoilt.middle.normalized();
+  const Vector3 along = over.unitOrthogonal(), beside = over.cross(along);
+  for (int way = 0; way < 8; ++way) {
+    const double turn = way * std::numbers::pi / 4;
+    const Vector3 towards = std::cos(turn) * along + std::sin(turn) * beside;
+    ProxyState state;
+    ProxyContact contact;
+    for (int tick = -600; tick < 600; ++tick) {
+      const double angle = 1e-3 * tick;
+      const Vector3 hand = 0.0193 * (std::cos(angle) * over + std::sin(angle) * towards);
+      contact = move_proxy(tables.view(), 0, hand, state);
+      INFO("way " << way << ", " << angle << " rad past the middle");
+      if (angle > -0.5) REQUIRE(contact.depth < 1.5e-3);
+    }
+  }
 }
 
 TEST_CASE("A jump that is too large fails the verdict, even where no sample is off") {
