@@ -79,8 +79,8 @@ ChartField::Place ChartField::place_of(const Vector3& point) const {
 
 HeightRange ChartField::range_over(const Vector3& middle, double half) const {
   const Place at = place_of(middle);
-  const double wide = half * plane_.u.lpNorm<1>() / grid_.spacing + leaf_rounding;
-  const double high = half * plane_.v.lpNorm<1>() / grid_.spacing + leaf_rounding;
+  const double wide = half * across_[0] / grid_.spacing + leaf_rounding;
+  const double high = half * across_[1] / grid_.spacing + leaf_rounding;
   return {nearest(at.x - wide) - 1, nearest(at.x + wide) + 1, nearest(at.y - high) - 1,
           nearest(at.y + high) + 1};
 }

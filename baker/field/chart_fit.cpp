@@ -149,19 +149,18 @@ std::optional<FittedCharts> find_two_charts(const std::vector<CubeSample>& sampl
   std::array<std::vector<std::size_t>, 2> parts;
   for (const std::size_t i : chosen) parts[is_second[i] ? 1 : 0].push_back(i);
   std::array<Vector3, 2> directions{Vector3::Zero(), Vector3::Zero()};
-  std::array<std::vector<ChartAtLevel>, 2> charts;
   for (std::size_t k = 0; k < 2; ++k) {
     if (parts[k].size() < least_samples) return std::nullopt;
     for (const std::size_t i : parts[k]) directions[k] += samples[i].gradient;
-    charts[k] = charts_over(samples, parts[k], cube, *rules.heights);
   }
   if (directions[0].dot(directions[1]) >
       alike_cosine * directions[0].norm() * directions[1].norm()) {
     return std::nullopt;
   }
   const std::vector<std::size_t> all = all_of(samples);
-  for (const ChartAtLevel& first : charts[0]) {
-    for (const ChartAtLevel& second : charts[1]) {
+  const std::vector<ChartAtLevel> seconds = charts_over(samples, parts[1], cube, *rules.heights);
+  for (const ChartAtLevel& first : charts_over(samples, parts[0], cube, *rules.heights)) {
+    for (const ChartAtLevel& second : seconds) {
       if (first.chart == second.chart) continue;
       const std::array<ChartField, 2> fields{
           ChartField(*rules.heights, first.chart, first.level),

@@ -286,14 +286,9 @@ bool CandidateTree::is_middle_inside(const LatticeSurface& surface) {
 
 void CandidateTree::need_witnesses(const LatticeSurface& surface) {
   for (auto* kind : {&candidates.solids, &candidates.sheets}) {
-    if (!kind->witnesses.empty() || kind->triangles.empty()) continue;
-    const std::size_t count = std::min(most_witnesses, kind->triangles.size());
-    kind->witnesses.reserve(count);
-    for (std::size_t k = 0; k < count; ++k) {
-      const std::uint32_t triangle = kind->triangles[k].triangle;
-      kind->witnesses.push_back({triangle, corner_distances(surface.triangles[triangle].corners,
-                                                            cube.middle, cube.half)});
-    }
+    if (!kind->witnesses.empty()) continue;
+    find_witnesses(surface, cube, kind->triangles, std::numeric_limits<double>::infinity(),
+                   kind->witnesses);
   }
 }
 
