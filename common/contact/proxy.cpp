@@ -136,16 +136,21 @@ class Mover {
   }
 
   /// Takes a step if it ends outside and nearer to the target, lifted out of a wall that it
-  /// follows.
+  /// follows; or where a jump of answers lifts it, if that wall leads on and nearer.
   bool take(Place& place, Place next) noexcept {
-    const double length = (next.at - place.at).norm();
-    if (!next.outside()) {
-      if (-next.clearance > std::max(lifted_share * length, jump_share * asset_.tolerance) ||
-          !lift(next)) {
-        return false;
-      }
+    const Vector3 way = next.at - place.at;
+    const double deep = -next.clearance, jump = jump_share * asset_.tolerance;
+    if (!next.outside() && (deep > std::max(lifted_share * way.norm(), jump) || !lift(next))) {
+      return false;
     }
-    if (!(left(next.at) < left(place.at) - settled / 4)) return false;
+    const double nearer = left(place.at) - settled / 4;
+    if (!(left(next.at) < nearer)) {
+      if (!(deep > on_surface && deep <= jump)) return false;
+      HalfSpaces wall;
+      wall.add(next.half_space());
+      const Vector3 goal = nearest_in_planes(wall, target_);
+      if (!(left(goal) < nearer && (goal - next.at).dot(way) > 0)) return false;
+    }
     place = next;
     return true;
   }

@@ -126,6 +126,30 @@ TEST_CASE("A jump that the tolerance allows holds no proxy that slides over it")
   }
 }
 
+TEST_CASE("A jump that the tolerance allows holds no proxy of a hand that is deep") {
+  Baked baked(sphere());
+  test::raise_maps(baked.asset, 180e-6, [](const Leaf& leaf) { return leaf.middle.x() < 0; });
+  const AssetTables tables = tables_of(baked.asset);
+  const double hand_radius = GENERATE(0.018, 0.016, 0.012);
+  ProxyState state;
+  ProxyContact contact;
+  for (int tick = -600; tick < 600; ++tick) {
+    const double angle = 1e-3 * tick;
+    const Vector3 hand =
+        hand_radius * (std::cos(angle) * Vector3::UnitZ() + std::sin(angle) * Vector3::UnitX());
+    contact = move_proxy(tables.view(), 0, hand, state);
+    INFO(angle << " rad past the jump");
+    if (angle > -0.5) REQUIRE(contact.depth < 0.0203 - hand_radius);
+  }
+  // The hand comes to rest at the jump, and then the proxy does.
+  ProxyContact before;
+  for (int tick = 0; tick < 100; ++tick) {
+    before = contact;
+    contact = move_proxy(tables.view(), 0, hand_radius * Vector3::UnitZ(), state);
+  }
+  CHECK((contact.proxy - before.proxy).norm() < 1e-6);
+}
+
 TEST_CASE("A jump that is too large fails the verdict, even where no sample is off") {
   Baked baked(sphere());
   VerifyOptions options;

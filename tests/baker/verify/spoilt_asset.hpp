@@ -11,8 +11,31 @@
 
 namespace spm::test {
 
+/// Moves the answers of the leaves with distance maps that `which` tells by this many metres: they
+/// get maps of their own.
+template <class Which>
+void raise_maps(Asset& asset, double by, const Which& which) {
+  AtlasData& atlas = asset.atlas;
+  const auto charts = static_cast<std::uint32_t>(atlas.charts.size());
+  const auto heights = static_cast<std::uint32_t>(atlas.heights.size());
+  const AssetTables tables = tables_of(asset);
+  visit_leaves(tables.view().octree, [&](const Leaf& leaf) {
+    if (leaf.kind != OctreeKind::map || !which(leaf)) return;
+    std::uint32_t& word = asset.octree.words[leaf.word];
+    word += NamedMaps(word).two() ? charts << 16U | charts : charts;
+  });
+  for (std::uint32_t k = 0; k < charts; ++k) {
+    ChartData chart = atlas.charts[k];
+    chart.first += heights;
+    atlas.charts.push_back(chart);
+  }
+  for (std::uint32_t k = 0; k < heights; ++k) {
+    atlas.heights.push_back(atlas.heights[k] + static_cast<float>(by));
+  }
+}
+
 /// Moves the answers of the largest leaf with one distance map near the surface of a `sparse` asset
-/// by about this many metres, and gives the leaf: it gets a map of its own.
+/// by this many metres, and gives the leaf.
 [[nodiscard]] inline Leaf spoil_largest_map(Asset& asset, double by) {
   const AssetTables tables = tables_of(asset);
   Leaf largest;
@@ -23,22 +46,7 @@ namespace spm::test {
     if (std::abs(distance) < leaf.half && leaf.half > largest.half) largest = leaf;
   });
   REQUIRE(largest.half > 0);
-  std::uint32_t& word = asset.octree.words[largest.word];
-  AtlasData& atlas = asset.atlas;
-  ChartData chart = atlas.charts[NamedMaps(word).first];
-  std::vector<float> heights(std::size_t{chart.rows} * atlas.width, 0);
-  for (std::uint32_t row = 0; row < chart.rows; ++row) {
-    for (std::uint32_t column = 0; column < chart.columns; ++column) {
-      heights[std::size_t{row} * atlas.width + column] =
-          atlas.heights[chart.first + std::size_t{row} * atlas.width + column] +
-          static_cast<float>(by);
-    }
-  }
-  chart.first = static_cast<std::uint32_t>(atlas.heights.size());
-  heights.resize(heights.size() + atlas.width, 0);  // one more is read behind the last
-  atlas.heights.insert(atlas.heights.end(), heights.begin(), heights.end());
-  word = word_of_map(static_cast<std::uint32_t>(atlas.charts.size()));
-  atlas.charts.push_back(chart);
+  raise_maps(asset, by, [&](const Leaf& leaf) { return leaf.word == largest.word; });
   return largest;
 }
 
