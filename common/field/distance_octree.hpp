@@ -180,10 +180,9 @@ struct Leaf {
     const auto bit = static_cast<unsigned>(max_octree_levels - level);
     const auto octant = static_cast<std::uint32_t>(
         (step_x >> bit & 1U) | (step_y >> bit & 1U) << 1U | (step_z >> bit & 1U) << 2U);
-    const std::uint32_t first = octree.words[word];
-    const std::uint32_t kinds = octree.words[word + 1];
-    kind = static_cast<OctreeKind>((kinds >> 4U * octant) & 15U);
-    word = first + words_before(kinds, octant);
+    const std::uint32_t* words = octree.words.data() + word;
+    kind = static_cast<OctreeKind>((words[1] >> 4U * octant) & 15U);
+    word = words[0] + words_before(words[1], octant);
   }
   const auto coarse = static_cast<unsigned>(max_octree_levels - level);
   const double edge = octree.edge * power_of_two(-level);

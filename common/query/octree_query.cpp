@@ -108,44 +108,57 @@ Answer answer_by_list(const AssetView& asset, const Leaf& leaf, const std::uint3
   return answer;
 }
 
-double square_of(const Vector3& v) noexcept { return v[0] * v[0] + v[1] * v[1] + v[2] * v[2]; }
+/// What one distance map tells. In single numbers: answers that are put together from them and
+/// copied as a whole would wait for memory.
+struct ToldByChart {
+  bool known = false;  ///< false where P_M is not on the map
+  double distance = 0, x = 0, y = 0, z = 0;
+  std::uint32_t plane = 0;
+};
 
-/// What one distance map tells: d = -(S_SP - D_SP(P_M)) / |n_S| and n_S of length 1 (eq. 3 to 5).
-/// That is the distance of the surface's tangent plane at P_M: the paper's eq. 3 with the cosine
-/// between n_S and n_SP as the only difference. False where P_M is not on the map.
-bool tangent_distance(const AssetView& asset, std::uint32_t chart, const Vector3& point,
-                      Answer& answer) noexcept {
+/// d = -(S_SP - D_SP(P_M)) / |n_S| and n_S of length 1 (eq. 3 to 5). That is the distance of the
+/// surface's tangent plane at P_M: the paper's eq. 3 with the cosine between n_S and n_SP as the
+/// only difference.
+[[gnu::always_inline]] inline ToldByChart told_by_chart(const AssetView& asset, std::uint32_t chart,
+                                                        const Vector3& point) noexcept {
   MapContact contact;
-  if (chart >= asset.charts.size() || !contact_on(asset.charts[chart], point, contact)) {
-    return false;
-  }
-  const double per = 1 / std::sqrt(square_of(contact.normal));
-  answer.distance = -per * contact.penetration;
-  answer.normal = {per * contact.normal[0], per * contact.normal[1], per * contact.normal[2]};
-  return true;
+  if (chart >= asset.charts.size() || !contact_on(asset.charts[chart], point, contact)) return {};
+  const double per = 1 / std::sqrt(contact.square);
+  const Vector3& n = contact.normal;
+  return {true,       -per * contact.penetration, per * n[0], per * n[1],
+          per * n[2], asset.charts[chart].plane};
 }
 
-/// The answer of one distance map, or of two and the edge where their surfaces meet.
-Answer answer_by_map(const AssetView& asset, const NamedMaps& maps, const Vector3& point) noexcept {
+[[gnu::always_inline]] inline Answer map_answer(const ToldByChart& told) noexcept {
+  if (!told.known) return unanswered(Status::far);
   Answer answer;
-  if (!tangent_distance(asset, maps.first, point, answer)) return unanswered(Status::far);
-  std::uint32_t chart = maps.first;
-  if (maps.two()) {
-    Answer other;
-    if (!tangent_distance(asset, maps.second(), point, other)) return unanswered(Status::far);
-    const Vector3 &n = answer.normal, &m = other.normal;
-    const double sign = maps.pair.larger ? 1 : -1;
-    const double cosine = maps.pair.edge ? n[0] * m[0] + n[1] * m[1] + n[2] * m[2] : 1;
-    const EdgeDistance edge = edge_distance(sign * answer.distance, sign * other.distance, cosine);
-    if (edge.second > edge.first) chart = maps.second();
-    answer.distance = sign * edge.distance;
-    answer.normal = {edge.first * n[0] + edge.second * m[0], edge.first * n[1] + edge.second * m[1],
-                     edge.first * n[2] + edge.second * m[2]};
-  }
-  answer.plane = static_cast<std::int32_t>(asset.charts[chart].plane);
+  answer.distance = told.distance;
+  answer.normal = {told.x, told.y, told.z};
+  answer.plane = static_cast<std::int32_t>(told.plane);
   answer.source = Source::map;
   answer.status = Status::exact;
   return answer;
+}
+
+/// The answer of two distance maps and the edge where their surfaces meet.
+[[gnu::noinline]] Answer answer_by_two(const AssetView& asset, const NamedMaps& maps,
+                                       const Vector3& point) noexcept {
+  const ToldByChart n = told_by_chart(asset, maps.first, point),
+                    m = told_by_chart(asset, maps.second(), point);
+  const double sign = maps.pair.larger ? 1 : -1;
+  const double cosine = maps.pair.edge ? n.x * m.x + n.y * m.y + n.z * m.z : 1;
+  const EdgeDistance edge = edge_distance(sign * n.distance, sign * m.distance, cosine);
+  return map_answer({n.known && m.known, sign * edge.distance, edge.first * n.x + edge.second * m.x,
+                     edge.first * n.y + edge.second * m.y, edge.first * n.z + edge.second * m.z,
+                     edge.second > edge.first ? m.plane : n.plane});
+}
+
+/// The answer of one distance map, or of two.
+[[gnu::always_inline]] inline Answer answer_by_map(const AssetView& asset, std::uint32_t word,
+                                                   const Vector3& point) noexcept {
+  const NamedMaps maps(word);
+  return maps.two() ? answer_by_two(asset, maps, point)
+                    : map_answer(told_by_chart(asset, maps.first, point));
 }
 
 /// How far the surface is at the least, m, by the distances that `far` roots know of their middles:
@@ -196,7 +209,7 @@ Answer query_leaf(const AssetView& asset, const Leaf& leaf, const Vector3& point
       return answer_by_maps(asset, leaf, maps, point);
     }
     case OctreeKind::map:
-      return answer_by_map(asset, NamedMaps(words[0]), point);
+      return answer_by_map(asset, words[0], point);
     case OctreeKind::list:
       return answer_by_list(asset, leaf, words, point);
     case OctreeKind::deep: {
@@ -212,7 +225,12 @@ Answer query_leaf(const AssetView& asset, const Leaf& leaf, const Vector3& point
 }
 
 Answer query_octree(const AssetView& asset, const Vector3& point) noexcept {
-  return query_leaf(asset, leaf_at(asset.octree, point), point);
+  const Leaf leaf = leaf_at(asset.octree, point);
+  // Most answers are of maps, which need no more of a leaf than its word.
+  if (leaf.kind == OctreeKind::map && leaf.word < asset.octree.words.size()) {
+    return answer_by_map(asset, asset.octree.words[leaf.word], point);
+  }
+  return query_leaf(asset, leaf, point);
 }
 
 double clearance(const AssetView& asset, const Vector3& point) noexcept {

@@ -28,9 +28,9 @@ struct EdgeDistance {
     return {farther, is_first ? 1.0 : 0.0, is_first ? 0.0 : 1.0};
   }
   const double past_first = first - cosine * second, past_second = second - cosine * first;
-  const double distance = std::sqrt((first * past_first + second * past_second) / sine_square);
-  const double per = 1 / (sine_square * distance);
-  return {distance, per * past_first, per * past_second};
+  const double square = first * past_first + second * past_second;
+  const double per = 1 / std::sqrt(square * sine_square);
+  return {per * square, per * past_first, per * past_second};
 }
 
 }  // namespace spm

@@ -30,12 +30,28 @@ struct alignas(64) HeightChart {
   std::uint32_t stride = 0;             ///< from one row to the next
   std::uint32_t columns = 0, rows = 0;  ///< 3 or more
   std::uint32_t plane = 0;              ///< row of the plane table
+  double per_square = 0;                ///< heights per m^2
 
   /// m, between neighbouring heights.
-  [[nodiscard]] double spacing() const noexcept {
-    return 1 / std::sqrt(column.x * column.x + column.y * column.y + column.z * column.z);
-  }
+  [[nodiscard]] double spacing() const noexcept { return 1 / std::sqrt(per_square); }
 };
+
+/// A chart without heights on a plane, so many metres between them; the first one belongs to that
+/// column and row.
+[[nodiscard]] inline HeightChart chart_on(const SupportPlane& plane, double spacing, double column0,
+                                          double row0) noexcept {
+  const auto along = [&plane](const Vector3& axis, double scale, double at_origin) {
+    return HeightChart::Linear{scale * axis[0], scale * axis[1], scale * axis[2],
+                               at_origin - scale * axis.dot(plane.x0)};
+  };
+  const double per = 1 / spacing;
+  HeightChart chart;
+  chart.column = along(plane.u, per, -column0);
+  chart.row = along(plane.v, per, -row0);
+  chart.depth = along(-plane.n, 1, 0);
+  chart.per_square = per * per;
+  return chart;
+}
 
 /// The point of a chart's plane (eq. 1) at a column and row, which need not be whole numbers.
 [[nodiscard]] inline Vector3 chart_point(const HeightChart& chart, const SupportPlane& plane,
@@ -49,6 +65,7 @@ struct alignas(64) HeightChart {
 struct MapContact {
   double penetration = 0;            ///< S_SP - D_SP(P_M), m: eq. 3
   Vector3 normal = Vector3::Zero();  ///< n_S, not normalised: eq. 5
+  double square = 1;                 ///< |n_S|^2
 };
 
 namespace height_chart {
@@ -66,18 +83,28 @@ using Four = float __attribute__((vector_size(16)));
 /// Weights of three heights in a row for the value between them, and for the derivative by column
 /// or row, at `t` from the middle one, in [-0.5, 0.5].
 struct Weights {
-  float before = 0, middle = 0, after = 0, d_before = 0, d_middle = 0, d_after = 0;
+  Four value{}, slope{};
   Weights() = default;
-  explicit Weights(float t) noexcept
-      : before(0.5F * (0.5F - t) * (0.5F - t)),
-        middle(0.75F - t * t),
-        after(0.5F * (0.5F + t) * (0.5F + t)),
-        d_before(t - 0.5F),
-        d_middle(-2 * t),
-        d_after(t + 0.5F) {}
+  explicit Weights(float t) noexcept {
+    const Four at = Four{-0.5F, 0, 0.5F, 0} + t;
+    value = at * at * Four{0.5F, -1, 0.5F, 0} + Four{0, 0.75F, 0, 0};
+    slope = at * Four{1, -2, 1, 0};
+  }
 };
 
 [[nodiscard]] inline float sum(Four x) noexcept { return (x[0] + x[1]) + x[2]; }
+
+struct Sums {
+  double first, second;
+};
+
+/// The sums of two.
+[[nodiscard]] inline Sums sums(Four a, Four b) noexcept {
+  const Four low = __builtin_shufflevector(a, b, 0, 4, 1, 5);
+  const Four all = (low + __builtin_shufflevector(low, low, 2, 3, 2, 3)) +
+                   __builtin_shufflevector(a, b, 2, 6, 2, 6);
+  return {static_cast<double>(all[0]), static_cast<double>(all[1])};
+}
 
 }  // namespace height_chart
 
@@ -87,12 +114,18 @@ struct HeightStencil {
   /// Rows of all less that; the fourth lane does not count.
   height_chart::Four before{}, middle{}, after{};
   height_chart::Weights across, along;
+
+  /// The rows with weights for each of them.
+  [[nodiscard]] height_chart::Four blend(height_chart::Four weights) const noexcept {
+    return weights[0] * before + weights[1] * middle + weights[2] * after;
+  }
 };
 
 /// The stencil of a place. False where its projection P_M is not on the chart.
 [[nodiscard]] inline bool stencil_at(const HeightChart& chart, const Vector3& place,
                                      HeightStencil& stencil) noexcept {
-  const double column = chart.column.at(place) + 0.5, row = chart.row.at(place) + 0.5;
+  const double from_first = chart.column.at(place), from_top = chart.row.at(place);
+  const double column = from_first + 0.5, row = from_top + 0.5;
   // Written so that NaN is not on it.
   if (!(column >= 1 && row >= 1 && column < chart.columns - 1 && row < chart.rows - 1))
     return false;
@@ -103,28 +136,26 @@ struct HeightStencil {
   stencil.before = height_chart::load(first, stencil.height);
   stencil.middle = height_chart::load(first + chart.stride, stencil.height);
   stencil.after = height_chart::load(first + 2 * std::size_t{chart.stride}, stencil.height);
-  stencil.across = height_chart::Weights(static_cast<float>(column - i - 0.5));
-  stencil.along = height_chart::Weights(static_cast<float>(row - j - 0.5));
+  stencil.across = height_chart::Weights(static_cast<float>(from_first - i));
+  stencil.along = height_chart::Weights(static_cast<float>(from_top - j));
   return true;
 }
 
 /// Eq. 3 to 5 on a chart. False where the place's projection P_M is not on it.
-[[nodiscard]] inline bool contact_on(const HeightChart& chart, const Vector3& place,
-                                     MapContact& contact) noexcept {
+[[nodiscard, gnu::always_inline]] inline bool contact_on(const HeightChart& chart,
+                                                         const Vector3& place,
+                                                         MapContact& contact) noexcept {
   using height_chart::Four;
   HeightStencil at;
   if (!stencil_at(chart, place, at)) return false;
-  const Four values =
-      at.along.before * at.before + at.along.middle * at.middle + at.along.after * at.after;
-  const Four slopes =
-      at.along.d_before * at.before + at.along.d_middle * at.middle + at.along.d_after * at.after;
-  const Four weights{at.across.before, at.across.middle, at.across.after, 0};
-  const Four d_weights{at.across.d_before, at.across.d_middle, at.across.d_after, 0};
-  const double height =
-      static_cast<double>(at.height) + static_cast<double>(height_chart::sum(values * weights));
-  const auto by_column = static_cast<double>(height_chart::sum(values * d_weights));
-  const auto by_row = static_cast<double>(height_chart::sum(slopes * weights));
+  const Four values = at.blend(at.along.value), slopes = at.blend(at.along.slope);
+  // The height and its slope by column in two lanes, that by row in a third.
+  const auto [height_beside, by_column] =
+      height_chart::sums(values * at.across.value, values * at.across.slope);
+  const double height = static_cast<double>(at.height) + height_beside;
+  const auto by_row = static_cast<double>(height_chart::sum(slopes * at.across.value));
   contact.penetration = chart.depth.at(place) - height;
+  contact.square = 1 + chart.per_square * (by_column * by_column + by_row * by_row);
   contact.normal = {by_column * chart.column.x + by_row * chart.row.x - chart.depth.x,
                     by_column * chart.column.y + by_row * chart.row.y - chart.depth.y,
                     by_column * chart.column.z + by_row * chart.row.z - chart.depth.z};
@@ -138,21 +169,16 @@ struct HeightStencil {
   HeightStencil at;
   MapContact contact;
   if (!stencil_at(chart, place, at) || !contact_on(chart, place, contact)) return 0;
-  const Four values =
-      at.along.before * at.before + at.along.middle * at.middle + at.along.after * at.after;
-  const Four slopes =
-      at.along.d_before * at.before + at.along.d_middle * at.middle + at.along.d_after * at.after;
+  const Four values = at.blend(at.along.value), slopes = at.blend(at.along.slope);
   const Four bends = at.before - 2 * at.middle + at.after;
-  const Four weights{at.across.before, at.across.middle, at.across.after, 0};
-  const Four d_weights{at.across.d_before, at.across.d_middle, at.across.d_after, 0};
   const Vector3 u(chart.column.x, chart.column.y, chart.column.z);
   const Vector3 v(chart.row.x, chart.row.y, chart.row.z);
   const double per_square = u.squaredNorm();  // of a spacing
   const double by_eta_eta = per_square * static_cast<double>(values[0] - 2 * values[1] + values[2]);
   const double by_omega_omega =
-      per_square * static_cast<double>(height_chart::sum(bends * weights));
+      per_square * static_cast<double>(height_chart::sum(bends * at.across.value));
   const double by_eta_omega =
-      per_square * static_cast<double>(height_chart::sum(slopes * d_weights));
+      per_square * static_cast<double>(height_chart::sum(slopes * at.across.slope));
   // n_S along u and v is the slope of D_SP.
   const double spacings = std::sqrt(per_square);
   const double eta = contact.normal.dot(u) / spacings, omega = contact.normal.dot(v) / spacings;

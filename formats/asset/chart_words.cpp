@@ -19,15 +19,8 @@ std::vector<std::uint32_t> words_of(const std::vector<ChartData>& charts) {
 
 HeightChart chart_over(const ChartData& data, const SupportPlane& plane, const AtlasData& atlas,
                        const float* heights) noexcept {
-  const double per = 1 / std::ldexp(atlas.spacing, -static_cast<int>(data.level));
-  const auto along = [&](const Vector3& axis, double scale, double at_origin) {
-    return HeightChart::Linear{scale * axis[0], scale * axis[1], scale * axis[2],
-                               at_origin - scale * axis.dot(plane.x0)};
-  };
-  HeightChart chart;
-  chart.column = along(plane.u, per, -data.column0);
-  chart.row = along(plane.v, per, -data.row0);
-  chart.depth = along(-plane.n, 1, 0);
+  HeightChart chart = chart_on(plane, std::ldexp(atlas.spacing, -static_cast<int>(data.level)),
+                               data.column0, data.row0);
   chart.heights = heights + data.first;
   chart.stride = atlas.width;
   chart.columns = data.columns;

@@ -59,14 +59,7 @@ struct TwoMaps {
     for (const double place : {below, above}) {
       std::vector<float>& flat = heights[charts.size()];
       flat.assign(std::size_t{side} * side + 1, static_cast<float>(-place));
-      const SupportPlane& plane = planes[0];
-      const auto along = [](const Vector3& axis, double scale, double at_origin) {
-        return HeightChart::Linear{scale * axis[0], scale * axis[1], scale * axis[2], at_origin};
-      };
-      HeightChart chart;
-      chart.column = along(plane.u, 2 / size, 4);
-      chart.row = along(plane.v, 2 / size, 4);
-      chart.depth = along(-plane.n, 1, 0);
+      HeightChart chart = chart_on(planes[0], size / 2, -4, -4);
       chart.heights = flat.data();
       chart.stride = chart.columns = chart.rows = side;
       charts.push_back(chart);

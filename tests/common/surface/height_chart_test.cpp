@@ -42,13 +42,7 @@ struct Made {
             static_cast<float>(surface.at(spacing * (column - 5.0), spacing * (row - 4.0)) - less));
       }
     }
-    const auto along = [&plane](const Vector3& axis, double scale, double at_origin) {
-      return HeightChart::Linear{scale * axis[0], scale * axis[1], scale * axis[2],
-                                 at_origin - scale * axis.dot(plane.x0)};
-    };
-    chart.column = along(plane.u, 1 / spacing, 5);
-    chart.row = along(plane.v, 1 / spacing, 4);
-    chart.depth = along(-plane.n, 1, 0);
+    chart = chart_on(plane, spacing, -5, -4);
     chart.heights = heights.data();
     chart.stride = chart.columns = chart.rows = side;
   }
