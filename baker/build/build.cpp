@@ -16,6 +16,7 @@
 #include "baker/build/time_limit.hpp"
 #include "baker/mesh/load.hpp"
 #include "baker/reachability/reachability.hpp"
+#include "baker/trials/answer_shares.hpp"
 #include "baker/trials/served_trials.hpp"
 #include "common/base/units.hpp"
 #include "formats/asset/asset_writer.hpp"
@@ -285,7 +286,7 @@ Json to_json(const BuildRequest& request, const Mesh& mesh, const BakeResult& ba
                       {"answers", check.fallback_answers},
                       {"bytes", share(written.bytes.triangles, written.bytes.total)}};
   if (metadata.form == AssetForm::sparse) {
-    json["answers"] = answers_json(baked.report.answers);
+    add_answers(tables_of(baked.asset).view(), json);
   }
   json["bytes"] = written.bytes.total;
   json["content_sha256"] = written.sha256;
@@ -407,19 +408,27 @@ BuildReport run_build(const BuildRequest& request, const Progress& progress) {
   return report;
 }
 
-Json answers_json(const AnswerShares& answers) {
-  return {{"one_map", answers.one_map},
-          {"two_maps", answers.two_maps},
-          {"polynomials", answers.polynomials},
-          {"triangles", answers.triangles}};
+void add_answers(const AssetView& view, Json& json) {
+  const SharesOfPlaces shares = shares_of_places(view);
+  for (const auto& [name, of] :
+       {std::pair{"answers", &shares.surface}, {"answers_in_band", &shares.band}}) {
+    json[name] = {{"one_map", of->one_map},
+                  {"two_maps", of->two_maps},
+                  {"polynomials", of->polynomials},
+                  {"triangles", of->triangles}};
+  }
 }
 
-std::string answers_text(const Json& answers) {
-  const auto percent = [&answers](const char* what) { return 100 * answers[what].get<double>(); };
-  return fmt::format(
-      "{:.1f} % of the volume by one distance map, {:.1f} % by two, {:.1f} % by polynomials, "
-      "{:.1f} % by triangles",
-      percent("one_map"), percent("two_maps"), percent("polynomials"), percent("triangles"));
+std::string answers_text(const Json& json) {
+  const auto text_of = [&json](const char* name, const char* of) {
+    const auto percent = [&](const char* what) { return 100 * json[name][what].get<double>(); };
+    return fmt::format(
+        "{:.1f} % {} by one distance map, {:.1f} % by two, {:.1f} % by polynomials, "
+        "{:.1f} % by triangles",
+        percent("one_map"), of, percent("two_maps"), percent("polynomials"), percent("triangles"));
+  };
+  return text_of("answers", "of the surface") + "\n         " +
+         text_of("answers_in_band", "of the band");
 }
 
 std::string describe(const BuildReport& report) {
@@ -472,7 +481,7 @@ std::string describe(const BuildReport& report) {
       "\nfallback {:.1f} % of the cells hold exact triangles, for places that no map answers",
       100 * fallback["cells"].get<double>());
   if (json.contains("answers")) {
-    text += "\nanswers  " + answers_text(json["answers"]);
+    text += "\nanswers  " + answers_text(json);
   }
   const Json& seconds = json["seconds"];
   text += fmt::format(

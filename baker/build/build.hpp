@@ -8,6 +8,7 @@
 #include "baker/build/build_request.hpp"
 #include "baker/options/bake_report.hpp"
 #include "baker/verify/verify.hpp"
+#include "common/asset/asset_view.hpp"
 
 namespace spm::baker {
 
@@ -34,8 +35,8 @@ void check_paths(const BuildRequest& request);
 [[nodiscard]] BuildReport run_build(const BuildRequest& request, const Progress& progress);
 
 /// From what places are answered, as reports of bakes and files have it, and for a person.
-[[nodiscard]] nlohmann::ordered_json answers_json(const AnswerShares& answers);
-[[nodiscard]] std::string answers_text(const nlohmann::ordered_json& answers);
+void add_answers(const AssetView& view, nlohmann::ordered_json& json);
+[[nodiscard]] std::string answers_text(const nlohmann::ordered_json& json);
 
 /// The report as a few lines for a person.
 [[nodiscard]] std::string describe(const BuildReport& report);

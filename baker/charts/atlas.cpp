@@ -33,13 +33,15 @@ class Picture {
  public:
   explicit Picture(std::uint32_t width) : width_(width), words_(width / word_bits + 2) {}
 
-  /// Puts a shape where it first fits, row by row from the top.
+  /// Puts a shape where it first fits, row by row from the top: behind the last one like it.
   Spot put(const Shape& shape) {
-    for (std::uint32_t row = first_row_;; ++row) {
-      for (std::uint32_t column = 0; column + shape.columns <= width_; ++column) {
-        if (!fits(shape, column, row)) continue;
-        fill(shape, column, row);
-        return {column, row};
+    Spot& spot = last_[shape.rows];
+    if (spot.row < first_row_) spot = {0, first_row_};
+    for (;; spot = {0, spot.row + 1}) {
+      for (; spot.column + shape.columns <= width_; ++spot.column) {
+        if (!fits(shape, spot.column, spot.row)) continue;
+        fill(shape, spot.column, spot.row);
+        return spot;
       }
     }
   }
@@ -49,6 +51,7 @@ class Picture {
   std::size_t words_;
   std::vector<std::vector<std::uint64_t>> taken_;
   std::uint32_t first_row_ = 0;  ///< rows before it are full
+  std::map<std::vector<std::vector<std::uint64_t>>, Spot> last_;
 
   [[nodiscard]] bool fits(const Shape& shape, std::uint32_t column, std::uint32_t row) const {
     const std::size_t word = column / word_bits;

@@ -113,15 +113,13 @@ ChartField::Window ChartField::window_at(std::int64_t column, std::int64_t row) 
 ChartField::Spline ChartField::spline_at(double x, double y) const {
   const std::int64_t i = nearest(x), j = nearest(y);
   const double s = x - static_cast<double>(i), t = y - static_cast<double>(j);
-  std::array<double, 3> values{}, along{}, bends{};
+  std::array<double, 3> values{}, along{};
   const Window heights = window_at(i, j);
   for (std::size_t r = 0; r < 3; ++r) {
     values[r] = blend(heights[r], s);
     along[r] = derivative(heights[r], s);
-    bends[r] = second(heights[r]);
   }
-  return {blend(values, t), blend(along, t),      derivative(values, t),
-          blend(bends, t),  derivative(along, t), second(values)};
+  return {blend(values, t), blend(along, t), derivative(values, t)};
 }
 
 double ChartField::at(const Vector3& place, Vector3& normal) const {

@@ -51,7 +51,7 @@ class ChartField : public BoundedField {
   std::array<double, 3> across_;  ///< of half a cube's edge, its box along u, v and n
 
   struct Spline {
-    double value = 0, by_x = 0, by_y = 0, by_xx = 0, by_xy = 0, by_yy = 0;
+    double value = 0, by_x = 0, by_y = 0;
   };
   using Window = std::array<std::array<double, 3>, 3>;  ///< heights, m, row by row
   struct Place {

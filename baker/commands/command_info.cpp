@@ -123,17 +123,9 @@ std::uint64_t band_cells(const AssetView& view) {
   return cells;
 }
 
-/// The leaves of an octree that answer: how many there are of each kind, and their volume, m^3.
+/// The leaves of an octree that answer: how many there are of each kind.
 struct LeafKinds {
-  struct Kind {
-    std::uint64_t count = 0;
-    double volume = 0;
-    void add(const Leaf& leaf) {
-      ++count;
-      volume += 8 * leaf.half * leaf.half * leaf.half;
-    }
-  };
-  Kind maps, map_pairs, polynomials, pairs, lists;
+  std::uint64_t maps = 0, map_pairs = 0, polynomials = 0, pairs = 0, lists = 0;
 };
 
 LeafKinds kinds_of(const DistanceOctree& octree) {
@@ -141,19 +133,13 @@ LeafKinds kinds_of(const DistanceOctree& octree) {
   visit_leaves(octree, [&](const Leaf& leaf) {
     const std::uint32_t* words = words_at(octree, leaf);
     if (leaf.kind == OctreeKind::map && words != nullptr) {
-      (NamedMaps(words[0]).two() ? kinds.map_pairs : kinds.maps).add(leaf);
+      ++(NamedMaps(words[0]).two() ? kinds.map_pairs : kinds.maps);
     }
-    if (leaf.kind == OctreeKind::polynomial) kinds.polynomials.add(leaf);
-    if (leaf.kind == OctreeKind::least || leaf.kind == OctreeKind::most) kinds.pairs.add(leaf);
-    if (leaf.kind == OctreeKind::list) kinds.lists.add(leaf);
+    if (leaf.kind == OctreeKind::polynomial) ++kinds.polynomials;
+    if (leaf.kind == OctreeKind::least || leaf.kind == OctreeKind::most) ++kinds.pairs;
+    if (leaf.kind == OctreeKind::list) ++kinds.lists;
   });
   return kinds;
-}
-
-AnswerShares shares_of(const LeafKinds& kinds) {
-  return AnswerShares{kinds.maps.volume, kinds.map_pairs.volume,
-                      kinds.polynomials.volume + kinds.pairs.volume, kinds.lists.volume}
-      .of_all();
 }
 
 /// The cubes of the octree and the triangles that answers come from.
@@ -161,11 +147,11 @@ Json octree_json(const AssetView& view, const LeafKinds& kinds) {
   return {{"origin_m", vector_json(view.octree.origin)},
           {"root_edge_m", view.octree.edge},
           {"roots", view.octree.roots},
-          {"maps", kinds.maps.count},
-          {"pairs_of_maps", kinds.map_pairs.count},
-          {"polynomials", kinds.polynomials.count},
-          {"pairs_of_polynomials", kinds.pairs.count},
-          {"lists", kinds.lists.count},
+          {"maps", kinds.maps},
+          {"pairs_of_maps", kinds.map_pairs},
+          {"polynomials", kinds.polynomials},
+          {"pairs_of_polynomials", kinds.pairs},
+          {"lists", kinds.lists},
           {"triangles", view.exact.size()}};
 }
 
@@ -209,7 +195,7 @@ nlohmann::ordered_json to_json(const MappedAsset& asset, const std::vector<std::
   } else {
     const LeafKinds kinds = kinds_of(view.octree);
     json["octree"] = octree_json(view, kinds);
-    json["answers"] = answers_json(shares_of(kinds));
+    add_answers(view, json);
   }
   json["fallback"] = {
       {"cells", metadata.fallback_cells},
@@ -261,7 +247,8 @@ std::string describe(const MappedAsset& asset, const std::vector<std::string>& p
                       view.full ? "full" : "sparse", view.planes.size(), metadata.kind,
                       view.maps.size() + view.charts.size(), "distance maps", samples_of(view));
   if (!view.full) {
-    const Json answers = answers_json(shares_of(kinds_of(view.octree)));
+    Json answers;
+    add_answers(view, answers);
     text += "answers   " + answers_text(answers) + "\n";
   }
   text += fmt::format("layers    up to {} crossings along a ray\n", metadata.layers_max);

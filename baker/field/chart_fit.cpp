@@ -4,7 +4,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
-#include <span>
+#include <numeric>
 
 #include "baker/charts/chart_field.hpp"
 #include "common/surface/edge_distance.hpp"
@@ -19,7 +19,7 @@ constexpr double enough_votes = 0.9;
 constexpr double finest = 0.3;
 /// So many charts are tried that face samples, and so many that meet them are tried to be proven;
 /// of two that meet them, the first.
-constexpr std::size_t tried_charts = 2;
+constexpr std::size_t tried_charts = 3;
 constexpr int tried_proofs = 2;
 /// Two parts with directions closer than 18 degrees are no crease: smaller cubes have one chart.
 constexpr double alike_cosine = 0.95;
@@ -72,37 +72,76 @@ std::vector<std::uint32_t> facing_charts(const std::vector<CubeSample>& samples,
   return charts;
 }
 
-/// Whether what fields tell meets samples of the band: the error of each, and directions in the
-/// mean.
-bool meet(std::span<const ChartField> fields, MapPair pair, const std::vector<CubeSample>& samples,
-          const std::vector<std::size_t>& chosen, const Cube& cube, const ChartRules& rules) {
-  SampleJudge judge(rules.band, rules.max_error, rules.max_mean_angle);
-  for (const std::size_t i : chosen) {
-    const CubeSample& sample = samples[i];
-    const Vector3 place = cube.middle + cube.half * sample.place;
-    Vector3 normal;
-    double value = fields.front().at(place, normal);
-    if (fields.size() > 1) {
-      Vector3 other_normal;
-      const double other = fields.back().at(place, other_normal), sign = pair.larger ? 1 : -1;
-      normal.normalize();
-      other_normal.normalize();
-      const EdgeDistance edge =
-          edge_distance(sign * value, sign * other, pair.edge ? normal.dot(other_normal) : 1);
-      value = sign * edge.distance;
-      normal = edge.first * normal + edge.second * other_normal;
+/// What charts tell at the samples of a cube, each asked once.
+class SampledChart {
+ public:
+  SampledChart(const ChartAtLevel& chart, const std::vector<CubeSample>& samples, const Cube& cube,
+               const ChartHeights& heights)
+      : at(chart), field_(heights, chart.chart, chart.level), samples_(samples), cube_(cube) {}
+
+  struct Told {
+    bool known = false;
+    double distance = 0;               ///< m
+    Vector3 normal = Vector3::Zero();  ///< of length 1
+  };
+  [[nodiscard]] const Told& told(std::size_t sample) {
+    if (told_.empty()) told_.resize(samples_.size());
+    Told& told = told_[sample];
+    if (!told.known) {
+      told.known = true;
+      told.distance = field_.at(cube_.middle + cube_.half * samples_[sample].place, told.normal);
+      told.normal.normalize();
     }
-    if (!judge.meets(sample, value, normal)) return false;
+    return told;
+  }
+
+  ChartAtLevel at;
+
+ private:
+  ChartField field_;
+  const std::vector<CubeSample>& samples_;
+  const Cube& cube_;
+  std::vector<Told> told_;
+};
+
+/// Whether what one chart tells, or two, meets samples of the band: the error of each, and
+/// directions in the mean.
+bool meet(SampledChart& first, SampledChart* second, MapPair pair,
+          const std::vector<CubeSample>& samples, const ChartRules& rules) {
+  SampleJudge judge(rules.band, rules.max_error, rules.max_mean_angle);
+  const auto edge_at = [&](std::size_t i) {
+    const auto &one = first.told(i), &other = second->told(i);
+    const double sign = pair.larger ? 1 : -1;
+    EdgeDistance edge = edge_distance(sign * one.distance, sign * other.distance,
+                                      pair.edge ? one.normal.dot(other.normal) : 1);
+    edge.distance *= sign;
+    return edge;
+  };
+  // Samples that follow each other lie side by side.
+  constexpr std::size_t apart = 27;
+  for (std::size_t k = 0; k < samples.size(); ++k) {
+    const std::size_t i = k * apart % samples.size();
+    const double distance = second == nullptr ? first.told(i).distance : edge_at(i).distance;
+    if (!judge.meets(samples[i], distance)) return false;
+  }
+  for (std::size_t i = 0; i < samples.size(); ++i) {
+    if (second == nullptr) {
+      judge.add(samples[i], first.told(i).normal);
+    } else {
+      const EdgeDistance edge = edge_at(i);
+      judge.add(samples[i],
+                edge.first * first.told(i).normal + edge.second * second->told(i).normal);
+    }
   }
   return judge.meets_directions();
 }
 
 /// The charts that face samples, at each spacing at which they cover the cube: the
 /// chart that faces them most first, each from its coarsest spacing on.
-std::vector<ChartAtLevel> charts_over(const std::vector<CubeSample>& samples,
+std::vector<SampledChart> charts_over(const std::vector<CubeSample>& samples,
                                       const std::vector<std::size_t>& chosen, const Cube& cube,
                                       const ChartHeights& heights) {
-  std::vector<ChartAtLevel> found;
+  std::vector<SampledChart> found;
   for (const std::uint32_t chart : facing_charts(samples, chosen, heights)) {
     for (std::uint32_t level = heights.first_level(chart); level < heights.end_level(chart);
          ++level) {
@@ -110,30 +149,25 @@ std::vector<ChartAtLevel> charts_over(const std::vector<CubeSample>& samples,
       if (spacing < finest * 2 * cube.half) break;
       // A finer spacing reaches less far past the chart's border.
       if (!ChartField(heights, chart, level).covers(cube.middle, cube.half)) break;
-      found.push_back({chart, level});
+      found.emplace_back(ChartAtLevel{chart, level}, samples, cube, heights);
     }
   }
   return found;
-}
-
-std::vector<std::size_t> all_of(const std::vector<CubeSample>& samples) {
-  std::vector<std::size_t> numbers(samples.size());
-  for (std::size_t i = 0; i < numbers.size(); ++i) numbers[i] = i;
-  return numbers;
 }
 
 }  // namespace
 
 std::optional<FittedCharts> find_one_chart(const std::vector<CubeSample>& samples, const Cube& cube,
                                            const ChartRules& rules, const ChartProof& proven) {
-  const std::vector<std::size_t> all = all_of(samples);
   std::vector<std::size_t> chosen = about_band(samples, rules.band, cube.half);
-  if (chosen.empty()) chosen = all;
+  if (chosen.empty()) {
+    chosen.resize(samples.size());
+    std::iota(chosen.begin(), chosen.end(), std::size_t{0});
+  }
   int proofs = 0;
-  for (const ChartAtLevel& at : charts_over(samples, chosen, cube, *rules.heights)) {
-    const ChartField field(*rules.heights, at.chart, at.level);
-    if (!meet({&field, 1}, {}, samples, all, cube, rules)) continue;
-    FittedCharts fitted{{}, {at}};
+  for (SampledChart& chart : charts_over(samples, chosen, cube, *rules.heights)) {
+    if (!meet(chart, nullptr, {}, samples, rules)) continue;
+    FittedCharts fitted{{}, {chart.at}};
     if (proven(fitted)) return fitted;
     if (++proofs == tried_proofs) break;
   }
@@ -157,18 +191,14 @@ std::optional<FittedCharts> find_two_charts(const std::vector<CubeSample>& sampl
       alike_cosine * directions[0].norm() * directions[1].norm()) {
     return std::nullopt;
   }
-  const std::vector<std::size_t> all = all_of(samples);
-  const std::vector<ChartAtLevel> seconds = charts_over(samples, parts[1], cube, *rules.heights);
-  for (const ChartAtLevel& first : charts_over(samples, parts[0], cube, *rules.heights)) {
-    for (const ChartAtLevel& second : seconds) {
-      if (first.chart == second.chart) continue;
-      const std::array<ChartField, 2> fields{
-          ChartField(*rules.heights, first.chart, first.level),
-          ChartField(*rules.heights, second.chart, second.level)};
+  std::vector<SampledChart> seconds = charts_over(samples, parts[1], cube, *rules.heights);
+  for (SampledChart& first : charts_over(samples, parts[0], cube, *rules.heights)) {
+    for (SampledChart& second : seconds) {
+      if (first.at.chart == second.at.chart) continue;
       for (const MapPair pair : {MapPair{false, false}, MapPair{true, false}, MapPair{false, true},
                                  MapPair{true, true}}) {
-        if (!meet(fields, pair, samples, all, cube, rules)) continue;
-        FittedCharts fitted{pair, {first, second}};
+        if (!meet(first, &second, pair, samples, rules)) continue;
+        FittedCharts fitted{pair, {first.at, second.at}};
         return proven(fitted) ? std::optional(fitted) : std::nullopt;
       }
     }

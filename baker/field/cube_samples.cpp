@@ -110,16 +110,18 @@ std::vector<bool> by_direction(const std::vector<CubeSample>& samples,
   return is_second;
 }
 
-bool SampleJudge::meets(const CubeSample& sample, double value, const Vector3& slope) {
+bool SampleJudge::meets(const CubeSample& sample, double value) const {
   const double told = std::clamp(value, -band_.max_depth, band_.margin);
   const double truth = std::clamp(sample.distance, -band_.max_depth, band_.margin);
-  if (std::abs(told - truth) > max_error_) return false;
-  if (!in_band(sample, band_, 0)) return true;
+  return std::abs(told - truth) <= max_error_;
+}
+
+void SampleJudge::add(const CubeSample& sample, const Vector3& slope) {
+  if (!in_band(sample, band_, 0)) return;
   const double length = slope.norm() * sample.gradient.norm();
   const double cosine = length > 0 ? slope.dot(sample.gradient) / length : 0;
   angles_ += std::acos(std::clamp(cosine, -1.0, 1.0));
   ++judged_;
-  return true;
 }
 
 std::vector<CubeSample> sample_cube(const LatticeSurface& surface, const Candidates& all,

@@ -40,9 +40,11 @@ class SampleJudge {
   SampleJudge(const Band& band, double max_error, double max_mean_angle)
       : band_(band), max_error_(max_error), max_mean_angle_(max_mean_angle) {}
 
-  /// Whether a value, m, meets a sample. The slope is of any length.
-  [[nodiscard]] bool meets(const CubeSample& sample, double value, const Vector3& slope);
-  /// Whether the slopes of all that were met do.
+  /// Whether a value, m, meets a sample.
+  [[nodiscard]] bool meets(const CubeSample& sample, double value) const;
+  /// Takes a slope there, of any length, into the mean.
+  void add(const CubeSample& sample, const Vector3& slope);
+  /// Whether the slopes of all samples do in the mean.
   [[nodiscard]] bool meets_directions() const {
     return judged_ == 0 || angles_ <= max_mean_angle_ * static_cast<double>(judged_);
   }

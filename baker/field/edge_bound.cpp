@@ -80,7 +80,6 @@ EdgeBound bound_at_edge(const std::array<FieldBound, 2>& fields, double half, bo
   const double off = at.first * fields[0].off + at.second * fields[1].off;
   const double most =
       std::abs(bound.near.value) + half * bound.near.gradient.lpNorm<1>() + bends + rises;
-  bound.turned = turn * most;
   // Another cosine makes directions longer or shorter.
   const double shrinks = 2 * at.first * at.second * turn;
   bound.below = shrinks <= 0.5 ? off + (shrinks + rounding) * most : no_bound;

@@ -12,7 +12,6 @@ struct EdgeBound {
   double value = 0;   ///< m, in the middle, exact but for rounding
   bool edge = false;  ///< whether the edge may be what is nearest to a place; else no more is known
   double past = 0;  ///< m: it is no farther than the larger, or smaller, of both by more than this
-  double turned = 0;  ///< m: the part of all bounds that is of how the normals turn
   Quadratic near;
   double below = 0, above = 0;  ///< m: the field is no farther from `near`
 };

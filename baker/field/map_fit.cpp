@@ -112,7 +112,8 @@ bool meets(const FittedMaps& fitted, const std::vector<CubeSample>& samples, con
       const Vector3 gradient = map.gradient(z);
       slope = from_plane_frame(plane, gradient[0], gradient[1], gradient[2]);
     }
-    if (!judge.meets(sample, cube.half * value, slope)) return false;
+    if (!judge.meets(sample, cube.half * value)) return false;
+    judge.add(sample, slope);
   }
   return judge.meets_directions();
 }

@@ -15,12 +15,9 @@ namespace spm::baker {
 
 namespace {
 
-constexpr int max_cubes = 4096, max_cubes_of_two = 2048;  ///< a proof
+constexpr int max_cubes = 2048;  ///< a proof
 constexpr int max_divisions = 6;
 constexpr int kept_divisions = 4;  ///< so many are kept for later proofs
-/// Bounds at an edge are this many tolerances wide at most as normals turn, since that is halved
-/// with each division alone.
-constexpr double max_turned = 8;
 /// Of the rounding of doubles in all that follows, m a m.
 constexpr double rounding = 1e-12;
 /// Facets whose normals are within this of their mean: only these bound a direction between them.
@@ -136,7 +133,6 @@ class Proof {
 
   bool holds(CandidateTree& tree) {
     ++cubes_;
-    if (pair_.edge && turned_at_edge(tree.cube) > max_turned * tolerance_) return false;
     const Verdict verdict = judge(tree).verdict;
     return verdict == Verdict::holds || (verdict == Verdict::open && holds_in_parts(tree, 1));
   }
@@ -149,13 +145,6 @@ class Proof {
   std::span<const BoundedField* const> fields_;  ///< one or two
   int cubes_ = 0;
 
-  [[nodiscard]] double turned_at_edge(const Cube& cube) const {
-    return bound_at_edge({fields_[0]->about(cube.middle, cube.half),
-                          fields_[1]->about(cube.middle, cube.half)},
-                         cube.half, pair_.larger)
-        .turned;
-  }
-
   /// Of parts that are open the worst is divided first, so that a proof that fails does so soon.
   bool holds_in_parts(CandidateTree& tree, int divisions) {
     const bool holds = all_parts_hold(tree, divisions);
@@ -167,7 +156,7 @@ class Proof {
     std::array<std::pair<double, CandidateTree*>, 8> open;
     std::size_t count = 0;
     for (CandidateTree& part : tree.parts(surface_)) {
-      if (++cubes_ > (fields_.size() == 1 ? max_cubes : max_cubes_of_two)) return false;
+      if (++cubes_ > max_cubes) return false;
       const Judgement judged = judge(part);
       if (judged.verdict == Verdict::holds) continue;
       if (judged.verdict == Verdict::refuted || divisions == max_divisions) return false;

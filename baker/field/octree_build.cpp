@@ -31,8 +31,9 @@ namespace {
 
 /// Share of the tolerance by which samples may be off; the rest is for places between them.
 constexpr double fit_share = 0.9;
-/// Maps may take so many times the bytes of a polynomial before it is taken in their place.
-constexpr double polynomial_worth = 8, polynomial_bytes = 16;
+/// Maps may take so many times the bytes of a polynomial before it is taken in their place; in
+/// cubes of few triangles, of which a list would take few bytes.
+constexpr double polynomial_worth = 8, polynomial_worth_of_few = 4, polynomial_bytes = 16;
 constexpr double sample_bytes = 4;  ///< of a map
 /// The octree may take so many times the fewest bytes that it could, where that makes it faster;
 /// and so many bytes in any case.
@@ -74,7 +75,7 @@ class Builder {
     CandidateTree tree =
         candidate_tree(surface_, cube, candidates_of(surface_, triangles, cube), inside);
     keep_few(node, tree);
-    if (!beyond) answer(node, tree, 0);
+    if (!beyond) answer(node, tree, 0, false);
     return node;
   }
 
@@ -89,7 +90,7 @@ class Builder {
                                         candidates_of(surface_, *node.few, node.cube), node.inside);
     node.solids.clear();
     node.sheets.clear();
-    divide_in_octants(node, tree, level_of(node.cube));
+    divide_in_octants(node, tree, level_of(node.cube), true);
   }
 
  private:
@@ -128,8 +129,8 @@ class Builder {
     return node.rule != PruneRule::none;
   }
 
-  /// Decides what a cube below another one is.
-  void decide(OctreeNode& node, CandidateTree& tree, int level) const {
+  /// Decides what a cube below another one is, which may have been one of few triangles.
+  void decide(OctreeNode& node, CandidateTree& tree, int level, bool below_few) const {
     const Candidates& candidates = tree.candidates;
     keep_few(node, tree);
     double distance = 0;
@@ -147,41 +148,50 @@ class Builder {
       }
     }
     if (decided(node, distance, direction)) return;
-    answer(node, tree, level);
+    answer(node, tree, level, below_few);
   }
 
-  /// Finds what answers in a cube of the band, whose few triangles are kept.
-  void answer(OctreeNode& node, CandidateTree& tree, int level) const {
-    const bool last = level == rules_.levels || node.few;
+  /// Finds what answers in a cube of the band, whose few triangles are kept. One of few triangles
+  /// is divided once, for the maps that its octants may have.
+  void answer(OctreeNode& node, CandidateTree& tree, int level, bool below_few) const {
+    const bool is_few = node.few.has_value();
+    const bool last = level == rules_.levels || (is_few && (below_few || !rules_.maps));
     Samples samples;
     if (fits(node, tree, last || !rules_.maps, samples)) return;
-    if (last) {
-      Candidates least = nearest_in_parts(surface_, tree.candidates, node.cube, 1);
-      // Another packet takes as long as a first one.
-      if (level == rules_.levels && least.size() > packet_size) {
-        least = nearest_in_parts(surface_, least, node.cube, 2);
+    if (!last) {
+      divide_in_octants(node, tree, level, is_few);
+      // Maps may take many small cubes where a polynomial takes a large one.
+      const double worth = is_few ? polynomial_worth_of_few : polynomial_worth;
+      if (bytes_as_divided(node) > worth * polynomial_bytes &&
+          fits_polynomials(node, tree, samples)) {
+        node.octants.reset();
       }
-      tree.candidates = std::move(least);
-      keep_few(node, tree);
-      become_list(node, tree);
-      return;
-    }
-    divide_in_octants(node, tree, level);
-    // Maps may take many small cubes where a polynomial takes a large one.
-    if (bytes_as_divided(node) > polynomial_worth * polynomial_bytes &&
-        fits_polynomials(node, tree, samples)) {
+      if (!is_few || !node.octants || has_map(*node.octants)) return;
       node.octants.reset();
     }
+    Candidates least = nearest_in_parts(surface_, tree.candidates, node.cube, 1);
+    // Another packet takes as long as a first one.
+    if (level == rules_.levels && least.size() > packet_size) {
+      least = nearest_in_parts(surface_, least, node.cube, 2);
+    }
+    tree.candidates = std::move(least);
+    keep_few(node, tree);
+    become_list(node, tree);
   }
 
-  void divide_in_octants(OctreeNode& node, CandidateTree& tree, int level) const {
+  [[nodiscard]] static bool has_map(const std::array<OctreeNode, 8>& octants) {
+    return std::any_of(octants.begin(), octants.end(),
+                       [](const OctreeNode& octant) { return octant.kind == OctreeKind::map; });
+  }
+
+  void divide_in_octants(OctreeNode& node, CandidateTree& tree, int level, bool below_few) const {
     node.kind = OctreeKind::split;
     node.octants = std::make_unique<std::array<OctreeNode, 8>>();
     std::array<CandidateTree, 8>& within = tree.parts(surface_);
     for (std::size_t octant = 0; octant < 8; ++octant) {
       OctreeNode& part = (*node.octants)[octant];
       part.cube = node.cube.octant(octant);
-      decide(part, within[octant], level + 1);
+      decide(part, within[octant], level + 1, below_few);
       within[octant].octants.reset();
     }
     join_octants(node);

@@ -32,15 +32,12 @@ struct OctreeRules {
 struct OctreeCounts {
   std::uint64_t maps = 0, map_pairs = 0, polynomials = 0, pairs = 0, lists = 0,
                 listed_triangles = 0;
-  double map_volume = 0, map_pair_volume = 0, polynomial_volume = 0, list_volume = 0;  ///< m^3
+  double answered_volume = 0;             ///< m^3
   std::array<double, 4> pruned_volume{};  ///< m^3, by PruneRule
   std::uint64_t bytes = 0;                ///< of all words and maps
 
   [[nodiscard]] std::uint64_t leaves() const noexcept {
     return maps + map_pairs + polynomials + pairs + lists;
-  }
-  [[nodiscard]] double answered_volume() const noexcept {
-    return map_volume + map_pair_volume + polynomial_volume + list_volume;
   }
 };
 

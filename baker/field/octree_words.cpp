@@ -92,14 +92,13 @@ class Writer {
       }
       case OctreeKind::list:
         ++built_.counts.lists;
-        built_.counts.list_volume += volume;
+        built_.counts.answered_volume += volume;
         data_.words[at] = list_of(node, data_.words[at + 1]);
         break;
       case OctreeKind::map:
         data_.words[at] = word_of(node);
         ++(node.charts.size() > 1 ? built_.counts.map_pairs : built_.counts.maps);
-        (node.charts.size() > 1 ? built_.counts.map_pair_volume : built_.counts.map_volume) +=
-            volume;
+        built_.counts.answered_volume += volume;
         break;
       case OctreeKind::pruned:
         built_.counts.pruned_volume[static_cast<std::size_t>(node.rule)] += volume;
@@ -111,13 +110,13 @@ class Writer {
         break;
       case OctreeKind::polynomial:
         ++built_.counts.polynomials;
-        built_.counts.polynomial_volume += volume;
+        built_.counts.answered_volume += volume;
         copy(node.words, at);
         break;
       case OctreeKind::least:
       case OctreeKind::most: {
         ++built_.counts.pairs;
-        built_.counts.polynomial_volume += volume;
+        built_.counts.answered_volume += volume;
         const std::uint32_t first = reserve(node.words.size());
         data_.words[at] = first;
         copy(node.words, first);

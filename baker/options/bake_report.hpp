@@ -25,24 +25,11 @@ struct Pruned {
   std::uint64_t bytes = 0;
 };
 
-/// From what places are answered: shares that sum to 1, or are 0.
-struct AnswerShares {
-  double one_map = 0, two_maps = 0, polynomials = 0, triangles = 0;
-
-  /// Of volumes.
-  [[nodiscard]] AnswerShares of_all() const noexcept {
-    const double all = one_map + two_maps + polynomials + triangles;
-    if (!(all > 0)) return {};
-    return {one_map / all, two_maps / all, polynomials / all, triangles / all};
-  }
-};
-
 /// Results of a bake, besides the asset.
 struct BakeReport {
   std::uint64_t samples = 0;  ///< height samples stored
   std::uint64_t rays = 0;
   std::uint64_t record_cells = 0;    ///< cells of space that touch the band
-  AnswerShares answers;              ///< of the band's volume
   std::uint64_t fallback_cells = 0;  ///< of them, cells that triangles answer
   double seconds_fit = 0;            ///< hull, planes, choice of maps and partition
   double seconds_cast = 0;

@@ -82,16 +82,10 @@ CastCounts count_layers(const AssetView& asset, const Caster& caster) {
   return counts;
 }
 
-AnswerShares answers_of(const OctreeCounts& counts) {
-  return AnswerShares{counts.map_volume, counts.map_pair_volume, counts.polynomial_volume,
-                      counts.list_volume}
-      .of_all();
-}
-
 /// Bytes that rules saved: cubes that were left out would have taken as many as others on average.
 std::vector<Pruned> pruned_by(const OctreeCounts& counts, const Reachability& reachability) {
   std::vector<Pruned> pruned;
-  const double answered = counts.answered_volume();
+  const double answered = counts.answered_volume;
   for (const PruneRule rule : {PruneRule::workspace, PruneRule::probe, PruneRule::unreachable}) {
     const double volume = counts.pruned_volume[static_cast<std::size_t>(rule)];
     if (!(volume > 0) && !reachability.checks(rule)) continue;
@@ -234,7 +228,6 @@ void bake_sparse(BakeResult& result, const OuterSurface& surface, const Caster& 
   report.samples = asset.atlas.heights.size();
   report.record_cells = built->counts.leaves();
   report.fallback_cells = built->counts.lists;
-  report.answers = answers_of(built->counts);
 }
 
 }  // namespace spm::baker

@@ -123,8 +123,8 @@ struct ToldByChart {
                                                         const Vector3& point) noexcept {
   MapContact contact;
   if (chart >= asset.charts.size() || !contact_on(asset.charts[chart], point, contact)) return {};
-  const double per = 1 / std::sqrt(contact.square);
   const Vector3& n = contact.normal;
+  const double per = 1 / std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
   return {true,       -per * contact.penetration, per * n[0], per * n[1],
           per * n[2], asset.charts[chart].plane};
 }

@@ -30,10 +30,11 @@ struct alignas(64) HeightChart {
   std::uint32_t stride = 0;             ///< from one row to the next
   std::uint32_t columns = 0, rows = 0;  ///< 3 or more
   std::uint32_t plane = 0;              ///< row of the plane table
-  double per_square = 0;                ///< heights per m^2
 
   /// m, between neighbouring heights.
-  [[nodiscard]] double spacing() const noexcept { return 1 / std::sqrt(per_square); }
+  [[nodiscard]] double spacing() const noexcept {
+    return 1 / std::sqrt(column.x * column.x + column.y * column.y + column.z * column.z);
+  }
 };
 
 /// A chart without heights on a plane, so many metres between them; the first one belongs to that
@@ -49,7 +50,6 @@ struct alignas(64) HeightChart {
   chart.column = along(plane.u, per, -column0);
   chart.row = along(plane.v, per, -row0);
   chart.depth = along(-plane.n, 1, 0);
-  chart.per_square = per * per;
   return chart;
 }
 
@@ -65,7 +65,6 @@ struct alignas(64) HeightChart {
 struct MapContact {
   double penetration = 0;            ///< S_SP - D_SP(P_M), m: eq. 3
   Vector3 normal = Vector3::Zero();  ///< n_S, not normalised: eq. 5
-  double square = 1;                 ///< |n_S|^2
 };
 
 namespace height_chart {
@@ -155,7 +154,6 @@ struct HeightStencil {
   const double height = static_cast<double>(at.height) + height_beside;
   const auto by_row = static_cast<double>(height_chart::sum(slopes * at.across.value));
   contact.penetration = chart.depth.at(place) - height;
-  contact.square = 1 + chart.per_square * (by_column * by_column + by_row * by_row);
   contact.normal = {by_column * chart.column.x + by_row * chart.row.x - chart.depth.x,
                     by_column * chart.column.y + by_row * chart.row.y - chart.depth.y,
                     by_column * chart.column.z + by_row * chart.row.z - chart.depth.z};

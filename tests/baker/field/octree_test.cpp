@@ -12,6 +12,7 @@
 #include "baker/field/octree_build.hpp"
 #include "baker/planes/hull.hpp"
 #include "baker/planes/planes.hpp"
+#include "baker/trials/answer_shares.hpp"
 #include "common/base/random.hpp"
 #include "common/field/octree_leaves.hpp"
 #include "common/query/query.hpp"
@@ -154,14 +155,14 @@ TEST_CASE("With fewer bytes more lists answer, as right, and with more bytes few
   for (const test::Shape& shape :
        {test::box({0.02, 0.01, 0.004}), test::torus(0.01, 0.003, 16, 10), test::wedge(0.2, 0.02)}) {
     const Built usual(shape);
-    double most_volume = usual.built.counts.list_volume;
+    double least = shares_of_places(usual.view).band.triangles;
     for (const double share : {4.0, 1.0, 0.8}) {
       const double bytes = share * static_cast<double>(usual.built.counts.bytes);
       const Built made(shape, bytes);
       CHECK(static_cast<double>(made.built.counts.bytes) <= bytes);
-      if (share > 1) most_volume = made.built.counts.list_volume;
-      CHECK(made.built.counts.list_volume >= most_volume);
-      most_volume = made.built.counts.list_volume;
+      const double by_lists = shares_of_places(made.view).band.triangles;
+      CHECK((share > 1 || by_lists >= least));
+      least = by_lists;
       require_right(made, 5000);
     }
     try {
@@ -403,8 +404,8 @@ TEST_CASE("Octrees that share their maps are those that would be built alone") {
 
 TEST_CASE("Distance maps answer with the plane that they lie on and a unit normal") {
   const Built made(test::sphere(0.01, 5));
-  const OctreeCounts& counts = made.built.counts;
-  CHECK(counts.map_volume > 0.1 * counts.answered_volume());
+  const AnswerShares shares = shares_of_places(made.view).band;
+  CHECK(shares.one_map + shares.two_maps > 0.1);
   std::size_t by_maps = 0;
   for (std::uint64_t i = 0; i < 5000; ++i) {
     const Answer answer = query_point(made.view, made.place(i));

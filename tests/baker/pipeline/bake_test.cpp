@@ -8,6 +8,7 @@
 #include "bake_support.hpp"
 #include "baker/base/bake_error.hpp"
 #include "baker/cast/cast.hpp"
+#include "baker/trials/answer_shares.hpp"
 #include "common/base/random.hpp"
 #include "common/paper/paper_force.hpp"
 #include "common/query/query.hpp"
@@ -110,10 +111,45 @@ TEST_CASE("Where maps take more bytes than there are, polynomials answer alone")
 
 TEST_CASE("A box is answered by few heights on its faces") {
   const BakeResult baked = bake(test::mesh_of(test::box({0.02, 0.03, 0.04})), {});
-  const AnswerShares& answers = baked.report.answers;
-  CHECK(answers.one_map + answers.two_maps > 0.7);
-  CHECK(answers.polynomials < 0.05);
+  const SharesOfPlaces shares = shares_of_places(tables_of(baked.asset).view());
+  for (const AnswerShares& of : {shares.band, shares.surface}) {
+    CHECK(of.one_map + of.two_maps + of.polynomials + of.triangles == Approx(1));
+    CHECK(of.one_map + of.two_maps > 0.2);
+    CHECK(of.polynomials < 0.05);
+  }
   CHECK(baked.asset.atlas.heights.size() < 2000);
+}
+
+TEST_CASE("The shares of answers are those of places drawn at random") {
+  const Mesh mesh = test::mesh_of(test::torus(0.025, 0.0095, 40, 20));
+  const Asset asset = bake(mesh, {}).asset;
+  const AssetTables tables = tables_of(asset);
+  const SharesOfPlaces shares = shares_of_places(tables.view());
+  AnswerShares band, surface;
+  double in_band = 0, at_surface = 0;
+  for (std::uint64_t i = 0; i < 400'000; ++i) {
+    const Vector3 place(random_unit(43, 3 * i), random_unit(43, 3 * i + 1),
+                        random_unit(43, 3 * i + 2));
+    const Vector3 low = mesh.box_min - Vector3::Constant(1e-3);
+    const Vector3 high = mesh.box_max + Vector3::Constant(1e-3);
+    const Answer answer = query_point(tables.view(), low + place.cwiseProduct(high - low));
+    if (answer.status != Status::exact) continue;
+    const auto count = [&answer](AnswerShares& of, double& all) {
+      ++all;
+      of.one_map += answer.source == Source::map ? 1 : 0;
+      of.polynomials += answer.source == Source::polynomial ? 1 : 0;
+      of.triangles += answer.source == Source::triangles ? 1 : 0;
+    };
+    count(band, in_band);
+    if (std::abs(answer.distance) < 1e-4) count(surface, at_surface);
+  }
+  REQUIRE(at_surface > 5000);
+  CHECK(shares.band.one_map + shares.band.two_maps == Approx(band.one_map / in_band).margin(0.01));
+  CHECK(shares.band.polynomials == Approx(band.polynomials / in_band).margin(0.01));
+  CHECK(shares.band.triangles == Approx(band.triangles / in_band).margin(0.01));
+  CHECK(shares.surface.one_map + shares.surface.two_maps ==
+        Approx(surface.one_map / at_surface).margin(0.03));
+  CHECK(shares.surface.triangles == Approx(surface.triangles / at_surface).margin(0.03));
 }
 
 TEST_CASE("A full map covers its plane's own region") {

@@ -1,0 +1,50 @@
+// SPDX-License-Identifier: GPL-3.0-or-later
+#include "baker/trials/answer_shares.hpp"
+
+#include <cmath>
+
+#include "common/field/octree_leaves.hpp"
+#include "common/query/query.hpp"
+
+namespace spm::baker {
+
+namespace {
+
+constexpr int along = 3;  ///< places in a leaf along each axis
+
+double& share_of(const AssetView& view, const Leaf& leaf, AnswerShares& shares) {
+  if (leaf.kind == OctreeKind::list) return shares.triangles;
+  if (leaf.kind != OctreeKind::map) return shares.polynomials;
+  const std::uint32_t* words = words_at(view.octree, leaf);
+  return words != nullptr && NamedMaps(words[0]).two() ? shares.two_maps : shares.one_map;
+}
+
+AnswerShares of_all(const AnswerShares& of) {
+  const double all = of.one_map + of.two_maps + of.polynomials + of.triangles;
+  if (!(all > 0)) return {};
+  return {of.one_map / all, of.two_maps / all, of.polynomials / all, of.triangles / all};
+}
+
+}  // namespace
+
+SharesOfPlaces shares_of_places(const AssetView& view) {
+  SharesOfPlaces found;
+  visit_leaves(view.octree, [&](const Leaf& leaf) {
+    if (!has_answers(leaf.kind)) return;
+    // Each place stands for a cube around it, and near the surface for what that has of it.
+    const double half = leaf.half / along, area = 4 * half * half;
+    double &in_band = share_of(view, leaf, found.band),
+           &at_surface = share_of(view, leaf, found.surface);
+    for (int k = 0; k < along * along * along; ++k) {
+      const Vector3 step(k % along, k / along % along, k / (along * along));
+      const Answer answer =
+          query_point(view, leaf.middle + half * (2 * step - Vector3::Constant(along - 1)));
+      if (answer.status != Status::exact) continue;
+      in_band += 2 * half * area;
+      if (std::abs(answer.distance) <= half) at_surface += area;
+    }
+  });
+  return {of_all(found.band), of_all(found.surface)};
+}
+
+}  // namespace spm::baker
