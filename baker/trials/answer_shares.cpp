@@ -36,9 +36,9 @@ SharesOfPlaces shares_of_places(const AssetView& view) {
     double &in_band = share_of(view, leaf, found.band),
            &at_surface = share_of(view, leaf, found.surface);
     for (int k = 0; k < along * along * along; ++k) {
-      const Vector3 step(k % along, k / along % along, k / (along * along));
-      const Answer answer =
-          query_point(view, leaf.middle + half * (2 * step - Vector3::Constant(along - 1)));
+      const int x = k % along, y = k / along % along, z = k / (along * along);
+      const Answer answer = query_point(
+          view, leaf.middle + half * (2 * Vector3(x, y, z) - Vector3::Constant(along - 1)));
       if (answer.status != Status::exact) continue;
       in_band += 2 * half * area;
       if (std::abs(answer.distance) <= half) at_surface += area;
