@@ -117,12 +117,13 @@ bool meet(SampledChart& first, SampledChart* second, MapPair pair,
     edge.distance *= sign;
     return edge;
   };
-  // Samples that follow each other lie side by side.
+  // Samples that follow each other lie side by side, so those far apart are tried first.
   constexpr std::size_t apart = 27;
-  for (std::size_t k = 0; k < samples.size(); ++k) {
-    const std::size_t i = k * apart % samples.size();
-    const double distance = second == nullptr ? first.told(i).distance : edge_at(i).distance;
-    if (!judge.meets(samples[i], distance)) return false;
+  for (std::size_t from = 0; from < apart; ++from) {
+    for (std::size_t i = from; i < samples.size(); i += apart) {
+      const double distance = second == nullptr ? first.told(i).distance : edge_at(i).distance;
+      if (!judge.meets(samples[i], distance)) return false;
+    }
   }
   for (std::size_t i = 0; i < samples.size(); ++i) {
     if (second == nullptr) {

@@ -227,8 +227,9 @@ Answer query_leaf(const AssetView& asset, const Leaf& leaf, const Vector3& point
 Answer query_octree(const AssetView& asset, const Vector3& point) noexcept {
   const Leaf leaf = leaf_at(asset.octree, point);
   // Most answers are of maps, which need no more of a leaf than its word.
-  if (leaf.kind == OctreeKind::map && leaf.word < asset.octree.words.size()) {
-    return answer_by_map(asset, asset.octree.words[leaf.word], point);
+  if (leaf.kind == OctreeKind::map) {
+    const std::uint32_t* words = words_at(asset.octree, leaf);
+    if (words != nullptr) return answer_by_map(asset, words[0], point);
   }
   return query_leaf(asset, leaf, point);
 }
