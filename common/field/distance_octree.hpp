@@ -150,10 +150,20 @@ struct Leaf {
   return std::bit_cast<double>(static_cast<std::uint64_t>(1023 + exponent) << 52U);
 }
 
+/// Which leaf is around a point, as the descent to it finds it.
+struct FoundLeaf {
+  OctreeKind kind = OctreeKind::far;
+  std::uint32_t word = 0;  ///< as Leaf's
+  int level = -1;          ///< as Leaf's
+  /// The point from the octree's origin, in steps of the smallest cubes that there may be.
+  std::uint64_t step_x = 0, step_y = 0, step_z = 0;
+};
+
 /// The leaf around a point; `far` where there is none, or where the point is not a number.
 // In single numbers throughout: vectors that are put together from them and read as a whole would
 // wait for memory, for longer than all the rest takes.
-[[nodiscard]] inline Leaf leaf_at(const DistanceOctree& octree, const Vector3& point) noexcept {
+[[nodiscard]] inline FoundLeaf find_leaf(const DistanceOctree& octree,
+                                         const Vector3& point) noexcept {
   const double x = (point[0] - octree.origin[0]) * octree.per_edge;
   const double y = (point[1] - octree.origin[1]) * octree.per_edge;
   const double z = (point[2] - octree.origin[2]) * octree.per_edge;
@@ -161,15 +171,15 @@ struct Leaf {
         z < octree.roots[2])) {
     return {};
   }
-  // In steps of the smallest cubes that there may be.
   constexpr double steps = 1U << static_cast<unsigned>(max_octree_levels);
-  const auto step_x = static_cast<std::uint64_t>(static_cast<std::int64_t>(x * steps));
-  const auto step_y = static_cast<std::uint64_t>(static_cast<std::int64_t>(y * steps));
-  const auto step_z = static_cast<std::uint64_t>(static_cast<std::int64_t>(z * steps));
+  FoundLeaf found;
+  found.step_x = static_cast<std::uint64_t>(static_cast<std::int64_t>(x * steps));
+  found.step_y = static_cast<std::uint64_t>(static_cast<std::int64_t>(y * steps));
+  found.step_z = static_cast<std::uint64_t>(static_cast<std::int64_t>(z * steps));
   const std::uint64_t place =
-      (step_x >> max_octree_levels) +
-      octree.roots[0] * ((step_y >> max_octree_levels) +
-                         std::uint64_t{octree.roots[1]} * (step_z >> max_octree_levels));
+      (found.step_x >> max_octree_levels) +
+      octree.roots[0] * ((found.step_y >> max_octree_levels) +
+                         std::uint64_t{octree.roots[1]} * (found.step_z >> max_octree_levels));
   const std::optional<OctreeRoot> root = root_at(octree, place);
   if (!root) return {};
   auto [kind, word] = *root;
@@ -178,32 +188,50 @@ struct Leaf {
     if (level == max_octree_levels || std::size_t{word} + 1 >= octree.words.size()) return {};
     ++level;
     const auto bit = static_cast<unsigned>(max_octree_levels - level);
-    const auto octant = static_cast<std::uint32_t>(
-        (step_x >> bit & 1U) | (step_y >> bit & 1U) << 1U | (step_z >> bit & 1U) << 2U);
+    const auto octant =
+        static_cast<std::uint32_t>((found.step_x >> bit & 1U) | (found.step_y >> bit & 1U) << 1U |
+                                   (found.step_z >> bit & 1U) << 2U);
     const std::uint32_t* words = octree.words.data() + word;
     kind = static_cast<OctreeKind>((words[1] >> 4U * octant) & 15U);
     word = words[0] + words_before(words[1], octant);
   }
-  const auto coarse = static_cast<unsigned>(max_octree_levels - level);
-  const double edge = octree.edge * power_of_two(-level);
+  found.kind = kind;
+  found.word = word;
+  found.level = level;
+  return found;
+}
+
+/// The cube of a found leaf.
+[[nodiscard]] inline Leaf leaf_of(const DistanceOctree& octree, const FoundLeaf& found) noexcept {
+  if (found.level < 0) return {};
+  const auto coarse = static_cast<unsigned>(max_octree_levels - found.level);
+  const double edge = octree.edge * power_of_two(-found.level);
   Leaf leaf;
-  leaf.kind = kind;
-  leaf.word = word;
-  leaf.level = level;
+  leaf.kind = found.kind;
+  leaf.word = found.word;
+  leaf.level = found.level;
   leaf.half = edge / 2;
-  leaf.per_half = 2 * octree.per_edge * power_of_two(level);
-  leaf.middle[0] = octree.origin[0] + edge * (static_cast<double>(step_x >> coarse) + 0.5);
-  leaf.middle[1] = octree.origin[1] + edge * (static_cast<double>(step_y >> coarse) + 0.5);
-  leaf.middle[2] = octree.origin[2] + edge * (static_cast<double>(step_z >> coarse) + 0.5);
+  leaf.per_half = 2 * octree.per_edge * power_of_two(found.level);
+  leaf.middle[0] = octree.origin[0] + edge * (static_cast<double>(found.step_x >> coarse) + 0.5);
+  leaf.middle[1] = octree.origin[1] + edge * (static_cast<double>(found.step_y >> coarse) + 0.5);
+  leaf.middle[2] = octree.origin[2] + edge * (static_cast<double>(found.step_z >> coarse) + 0.5);
   return leaf;
 }
 
+/// find_leaf and leaf_of.
+[[nodiscard]] inline Leaf leaf_at(const DistanceOctree& octree, const Vector3& point) noexcept {
+  return leaf_of(octree, find_leaf(octree, point));
+}
+
 /// A leaf's words, or null where they are not there.
+[[nodiscard]] inline const std::uint32_t* words_at(const DistanceOctree& octree, OctreeKind kind,
+                                                   std::uint32_t word) noexcept {
+  return std::size_t{word} + words_of(kind) <= octree.words.size() ? octree.words.data() + word
+                                                                   : nullptr;
+}
 [[nodiscard]] inline const std::uint32_t* words_at(const DistanceOctree& octree,
                                                    const Leaf& leaf) noexcept {
-  return std::size_t{leaf.word} + words_of(leaf.kind) <= octree.words.size()
-             ? octree.words.data() + leaf.word
-             : nullptr;
+  return words_at(octree, leaf.kind, leaf.word);
 }
 
 /// The words of a leaf's polynomials, of which there are two where it is `least` or `most`; null

@@ -124,7 +124,9 @@ struct ToldByChart {
   MapContact contact;
   if (chart >= asset.charts.size() || !contact_on(asset.charts[chart], point, contact)) return {};
   const Vector3& n = contact.normal;
-  const double per = 1 / std::sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]);
+  const double square = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
+  // A root and a quotient that do not wait for each other.
+  const double per = std::sqrt(square) * (1 / square);
   return {true,       -per * contact.penetration, per * n[0], per * n[1],
           per * n[2], asset.charts[chart].plane};
 }
@@ -225,13 +227,13 @@ Answer query_leaf(const AssetView& asset, const Leaf& leaf, const Vector3& point
 }
 
 Answer query_octree(const AssetView& asset, const Vector3& point) noexcept {
-  const Leaf leaf = leaf_at(asset.octree, point);
+  const FoundLeaf found = find_leaf(asset.octree, point);
   // Most answers are of maps, which need no more of a leaf than its word.
-  if (leaf.kind == OctreeKind::map) {
-    const std::uint32_t* words = words_at(asset.octree, leaf);
+  if (found.kind == OctreeKind::map) {
+    const std::uint32_t* words = words_at(asset.octree, found.kind, found.word);
     if (words != nullptr) return answer_by_map(asset, words[0], point);
   }
-  return query_leaf(asset, leaf, point);
+  return query_leaf(asset, leaf_of(asset.octree, found), point);
 }
 
 double clearance(const AssetView& asset, const Vector3& point) noexcept {
