@@ -7,6 +7,7 @@ import math
 import struct
 
 MAP, SPLIT = 5, 8
+WORDS = 8  # of a distance map
 LARGER, EDGE, NUMBER = 1 << 31, 1 << 15, (1 << 15) - 1
 
 
@@ -20,7 +21,7 @@ def text_at(data, at):
 
 
 class Exr:
-    """Parts of an uncompressed EXR of 32-bit samples, each of one tile."""
+    """Parts of an uncompressed EXR, each of one channel and one tile."""
 
     def __init__(self, path):
         with open(path, "rb") as file:
@@ -40,13 +41,16 @@ class Exr:
         at += 1
         self.description = json.loads(headers[0]["spm"])
         for header in headers:
-            self.parts[header["name"].decode()] = struct.unpack_from("<Q", self.data, at)[0]
+            name, after = text_at(header["channels"], 0)
+            pixel_type, = struct.unpack_from("<i", header["channels"], after)
+            start, = struct.unpack_from("<Q", self.data, at)
+            self.parts[header["name"].decode()] = start, "Ief"[pixel_type]
             at += 8 * struct.unpack("<i", header["chunkCount"])[0]
 
-    def samples(self, part, letter):
-        at = self.parts[part]
+    def samples(self, part):
+        at, letter = self.parts[part]
         size, = struct.unpack_from("<i", self.data, at + 20)
-        return struct.unpack_from(f"<{size // 4}{letter}", self.data, at + 24)
+        return struct.unpack_from(f"<{size // struct.calcsize(letter)}{letter}", self.data, at + 24)
 
 
 class Reader:
@@ -55,8 +59,8 @@ class Reader:
         self.edges = 0
         self.octree, self.atlas = exr.description["octree"], exr.description["atlas"]
         self.planes = exr.description["planes"]
-        self.heights, self.maps = exr.samples("heights", "f"), exr.samples("grid_maps", "I")
-        self.roots, self.cubes = exr.samples("grid_roots", "I"), exr.samples("grid_cubes", "I")
+        self.heights, self.maps = exr.samples("heights"), exr.samples("grid_maps")
+        self.roots, self.cubes = exr.samples("grid_roots"), exr.samples("grid_cubes")
 
     def leaf(self, place):
         """Kind and first word of the cube around a place."""
@@ -83,7 +87,7 @@ class Reader:
         """Signed distance and unit normal by eq. 1 to 5. `tell` is called with the name of each step and
         its value."""
         tell = tell or (lambda name, value: None)
-        words = self.maps[5 * number:5 * number + 5]
+        words = self.maps[WORDS * number:WORDS * (number + 1)]
         plane = self.planes[words[0] & 0xFFFF]
         spacing = self.atlas["spacing"] / 2 ** (words[0] >> 16)
         column0, row0 = ((x ^ LARGER) - LARGER for x in words[1:3])
@@ -105,17 +109,20 @@ class Reader:
         def spline(across, along):
             return sum(along[k] * dot(window[k], across) for k in range(3))
 
-        d_sp = spline(weights(column - i), weights(row - j))
-        by_eta = spline(slopes(column - i), weights(row - j)) / spacing
-        by_omega = spline(weights(column - i), slopes(row - j)) / spacing
+        base, base_by_eta, base_by_omega = struct.unpack("<3f", struct.pack("<3I", *words[5:8]))
+        below_base = spline(weights(column - i), weights(row - j))
+        d_sp = base + base_by_eta * eta + base_by_omega * omega + below_base
+        by_eta = base_by_eta + spline(slopes(column - i), weights(row - j)) / spacing
+        by_omega = base_by_omega + spline(weights(column - i), slopes(row - j)) / spacing
         normal = [n[k] + by_eta * u[k] + by_omega * v[k] for k in range(3)]
         length = math.sqrt(dot(normal, normal))
         tell(f"support plane {words[0] & 0xFFFF} (Definition 1): x0", x0)
         tell("  its normal n_SP", n)
         tell("P_M (eq. 1): eta, omega, m", (eta, omega))
         tell("S_SP, m below the plane", (s_sp,))
-        tell(f"distance map {number} of {len(self.maps) // 5}: its spacing, m, and the column and row of P_M",
+        tell(f"distance map {number} of {len(self.maps) // WORDS}: its spacing, m, and the column and row of P_M",
              (spacing, column, row))
+        tell("its heights there, m below its base", (below_base,))
         tell("D_SP(P_M) (eq. 2), m below the plane", (d_sp,))
         tell("S_SP - D_SP(P_M) (eq. 3), m", (s_sp - d_sp,))
         tell("D_SP's slopes", (by_eta, by_omega))

@@ -3,6 +3,7 @@
 
 #include <algorithm>
 #include <array>
+#include <bit>
 #include <cmath>
 #include <optional>
 #include <utility>
@@ -38,8 +39,12 @@ class Picture {
     Spot& spot = last_[shape.rows];
     if (spot.row < first_row_) spot = {0, first_row_};
     for (;; spot = {0, spot.row + 1}) {
-      for (; spot.column + shape.columns <= width_; ++spot.column) {
-        if (!fits(shape, spot.column, spot.row)) continue;
+      while (spot.column + shape.columns <= width_) {
+        const std::uint32_t shift = spot.column % word_bits;
+        const std::uint64_t fitting = ~taken_for(shape, spot.column - shift, spot.row) >> shift;
+        spot.column += fitting != 0 ? static_cast<std::uint32_t>(std::countr_zero(fitting))
+                                    : static_cast<std::uint32_t>(word_bits) - shift;
+        if (fitting == 0 || spot.column + shape.columns > width_) continue;
         fill(shape, spot.column, spot.row);
         return spot;
       }
@@ -53,18 +58,24 @@ class Picture {
   std::uint32_t first_row_ = 0;  ///< rows before it are full
   std::map<std::vector<std::vector<std::uint64_t>>, Spot> last_;
 
-  [[nodiscard]] bool fits(const Shape& shape, std::uint32_t column, std::uint32_t row) const {
-    const std::size_t word = column / word_bits;
-    const unsigned shift = column % word_bits;
+  /// The bits of those columns, from one on that a word begins with, at which a shape does not fit
+  /// in a row.
+  [[nodiscard]] std::uint64_t taken_for(const Shape& shape, std::uint32_t column,
+                                        std::uint32_t row) const {
+    std::uint64_t taken = 0;
     for (std::size_t r = 0; r < shape.rows.size() && row + r < taken_.size(); ++r) {
-      const auto& taken = taken_[row + r];
-      const auto& bits = shape.rows[r];
-      for (std::size_t k = 0; k < bits.size(); ++k) {
-        if ((taken[word + k] & bits[k] << shift) != 0) return false;
-        if (shift != 0 && (taken[word + k + 1] & bits[k] >> (word_bits - shift)) != 0) return false;
+      for (std::size_t k = 0; k < shape.rows[r].size(); ++k) {
+        const std::size_t word = column / word_bits + k;
+        if (word + 1 >= taken_[row + r].size()) break;
+        const std::uint64_t low = taken_[row + r][word], high = taken_[row + r][word + 1];
+        for (std::uint64_t bits = shape.rows[r][k]; bits != 0; bits &= bits - 1) {
+          const int bit = std::countr_zero(bits);
+          taken |= low >> bit | (bit == 0 ? 0 : high << (word_bits - static_cast<unsigned>(bit)));
+          if (~taken == 0) return taken;
+        }
       }
     }
-    return true;
+    return taken;
   }
 
   void fill(const Shape& shape, std::uint32_t column, std::uint32_t row) {
@@ -133,7 +144,8 @@ Layout arrange(const std::vector<Shape>& shapes) {
         (width < widest || width < square / 3 || (best && width > square)))
       continue;
     if (best && width == widths.back()) break;
-    Layout next = arrange(shapes, std::max(width, widest));
+    // HALF samples of rows of so many take whole words.
+    Layout next = arrange(shapes, std::max(width, (widest + 3) / 4 * 4));
     // No picture is so long that no viewer shows it.
     if (next.height > max_height && width != widths.back()) continue;
     if (!best ||
@@ -214,6 +226,7 @@ std::uint32_t Atlas::find_parts(Needed& needed) {
 AtlasData Atlas::lay_out(std::uint32_t first_plane, std::vector<SupportPlane>& planes) {
   AtlasData atlas;
   atlas.spacing = heights_.spacing();
+  atlas.halves = heights_.halves();
   std::map<std::uint32_t, std::uint32_t> rows_of_planes;
   std::vector<Shape> shapes;
   std::vector<HeightRange> boxes;
@@ -238,6 +251,7 @@ AtlasData Atlas::lay_out(std::uint32_t first_plane, std::vector<SupportPlane>& p
       ChartData& data = atlas.charts.emplace_back();
       data.plane = plane->second;
       data.level = at.level;
+      data.base = grid.base;
       data.column0 = grid.column0 + static_cast<std::int32_t>(box.column_from);
       data.row0 = grid.row0 + static_cast<std::int32_t>(box.row_from);
       data.columns = static_cast<std::uint32_t>(box.column_to - box.column_from + 1);

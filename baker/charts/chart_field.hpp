@@ -55,7 +55,7 @@ class ChartField : public BoundedField {
   };
   using Window = std::array<std::array<double, 3>, 3>;  ///< heights, m, row by row
   struct Place {
-    double x = 0, y = 0, depth = 0;  ///< in spacings of the grid; m below the plane
+    double x = 0, y = 0, depth = 0;  ///< in spacings of the grid; m below the base
   };
   [[nodiscard]] Place place_of(const Vector3& point) const;
   /// The heights about one of them.

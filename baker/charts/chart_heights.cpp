@@ -7,6 +7,8 @@
 #include <cmath>
 #include <limits>
 
+#include "common/base/half.hpp"
+
 namespace spm::baker {
 
 namespace {
@@ -234,8 +236,56 @@ class Filter {
   }
 };
 
+/// The plane that is nearest to heights, m below the support plane, in the mean of squares: so far
+/// down that all heights above it are least_half and more. NaN are none.
+ChartBase base_of(const HeightGrid& grid, const std::vector<double>& heights) {
+  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
+  Vector3 right = Vector3::Zero();
+  const auto visit = [&](const auto& of) {
+    for (std::size_t i = 0; i < heights.size(); ++i) {
+      if (std::isnan(heights[i])) continue;
+      of(grid.eta(i % grid.columns), grid.omega(i / grid.columns), heights[i]);
+    }
+  };
+  visit([&](double eta, double omega, double height) {
+    const Vector3 row(1, eta / grid.spacing, omega / grid.spacing);
+    normal += row * row.transpose();
+    right += height * row;
+  });
+  if (!(normal(0, 0) > 0)) return {};
+  for (int k = 1; k < 3; ++k) normal(k, k) += 1e-9 * normal(0, 0);
+  const Vector3 solved = normal.ldlt().solve(right);
+  ChartBase base{0, static_cast<float>(solved[1] / grid.spacing),
+                 static_cast<float>(solved[2] / grid.spacing)};
+  double least = std::numeric_limits<double>::infinity();
+  visit([&](double eta, double omega, double height) {
+    least = std::min(least, height - base.at(eta, omega));
+  });
+  constexpr auto room = static_cast<double>(least_half);
+  base.depth = static_cast<float>(least - room);
+  while (least - static_cast<double>(base.depth) < room) {
+    base.depth = std::nextafter(base.depth, -std::numeric_limits<float>::infinity());
+  }
+  return base;
+}
+
+/// Stores heights, m below the plane, in their grid.
+void store(const std::vector<double>& heights, bool halves, HeightGrid& grid) {
+  grid.base = base_of(grid, heights);
+  grid.heights.reserve(heights.size());
+  for (std::size_t i = 0; i < heights.size(); ++i) {
+    const auto height = static_cast<float>(
+        heights[i] - grid.base.at(grid.eta(i % grid.columns), grid.omega(i / grid.columns)));
+    if (!halves) {
+      grid.heights.push_back(height);
+    } else {
+      grid.heights.push_back(height <= largest_half ? float_of_half(half_of(height)) : missing);
+    }
+  }
+}
+
 HeightGrid make_grid(const OuterSurface& surface, const SupportPlane& plane,
-                     const PlaneChart& chart, double spacing) {
+                     const PlaneChart& chart, double spacing, bool halves) {
   const Hits hits(surface, plane, chart, spacing / 2);
   HeightGrid grid;
   grid.spacing = spacing;
@@ -245,7 +295,8 @@ HeightGrid make_grid(const OuterSurface& surface, const SupportPlane& plane,
   grid.row0 = hits.row0 / 2 - border;
   grid.columns = hits.columns / 2 + 1 + 2 * border;
   grid.rows = hits.rows / 2 + 1 + 2 * border;
-  grid.heights.reserve(std::size_t{grid.columns} * grid.rows);
+  std::vector<double> heights;
+  heights.reserve(std::size_t{grid.columns} * grid.rows);
   // Past the border heights are no farther from those of the hits than planes may be inclined.
   const double around = last_hits * spacing;
   const double low = hits.least - around, high = hits.most + around;
@@ -253,24 +304,24 @@ HeightGrid make_grid(const OuterSurface& surface, const SupportPlane& plane,
   for (std::int64_t row = 0; row < grid.rows; ++row) {
     for (std::int64_t column = 0; column < grid.columns; ++column) {
       const double height = filter.at(2 * (column - border), 2 * (row - border));
-      float& stored = grid.heights.emplace_back(missing);
-      if (!(height > low && height < high)) continue;
-      stored = static_cast<float>(height);
+      heights.push_back(height > low && height < high ? height
+                                                      : std::numeric_limits<double>::quiet_NaN());
     }
   }
+  store(heights, halves, grid);
   return grid;
 }
 
 }  // namespace
 
 ChartHeights::ChartHeights(const OuterSurface& surface, std::span<const SupportPlane> planes,
-                           const PlaneCharts& charts, const MapSpacings& spacings)
+                           const PlaneCharts& charts, const MapSampling& sampling)
     : surface_(surface),
       planes_(planes),
       charts_(charts),
-      spacings_(spacings),
+      sampling_(sampling),
       flat_(charts.charts().size()),
-      slots_(std::make_unique<Slot[]>(charts.charts().size() * spacings.levels)) {
+      slots_(std::make_unique<Slot[]>(charts.charts().size() * sampling.levels)) {
   for (std::size_t i = 0; i < flat_.size(); ++i) flat_[i] = flat_of(charts.charts()[i]);
 }
 
@@ -290,7 +341,7 @@ ChartHeights::FlatChart ChartHeights::flat_of(const PlaneChart& chart) const {
   const Vector3& start = corner(chart.triangles.front(), 0);
   for (const std::uint32_t t : chart.triangles) {
     for (std::size_t k = 0; k < 3; ++k) {
-      if (std::abs(normal.dot(corner(t, k) - start)) > spacings_.flat_within) return {};
+      if (std::abs(normal.dot(corner(t, k) - start)) > sampling_.flat_within) return {};
     }
   }
   const SupportPlane& plane = planes_[chart.plane];
@@ -310,25 +361,26 @@ HeightGrid ChartHeights::flat_grid(std::uint32_t chart, double spacing) const {
   grid.row0 = static_cast<std::int32_t>(std::floor(low[1])) - border;
   grid.columns = static_cast<std::uint32_t>(std::ceil(high[0]) - grid.column0 + border + 1);
   grid.rows = static_cast<std::uint32_t>(std::ceil(high[1]) - grid.row0 + border + 1);
-  grid.heights.reserve(std::size_t{grid.columns} * grid.rows);
+  std::vector<double> heights;
+  heights.reserve(std::size_t{grid.columns} * grid.rows);
   for (std::uint32_t row = 0; row < grid.rows; ++row) {
     for (std::uint32_t column = 0; column < grid.columns; ++column) {
-      const double eta = spacing * (grid.column0 + static_cast<double>(column));
-      const double omega = spacing * (grid.row0 + static_cast<double>(row));
-      grid.heights.push_back(
-          static_cast<float>(flat.depth + flat.by_eta * eta + flat.by_omega * omega));
+      heights.push_back(flat.depth + flat.by_eta * grid.eta(column) +
+                        flat.by_omega * grid.omega(row));
     }
   }
+  store(heights, sampling_.halves, grid);
   return grid;
 }
 
 const HeightGrid& ChartHeights::of(std::uint32_t chart, std::uint32_t level) const {
-  Slot& slot = slots_[std::size_t{chart} * spacings_.levels + level];
+  Slot& slot = slots_[std::size_t{chart} * sampling_.levels + level];
   std::call_once(slot.once, [&] {
     const PlaneChart& known = charts_.charts()[chart];
-    const double spacing = std::ldexp(spacings_.coarsest, -static_cast<int>(level));
-    slot.grid = flat_[chart].is ? flat_grid(chart, spacing)
-                                : make_grid(surface_, planes_[known.plane], known, spacing);
+    const double spacing = std::ldexp(sampling_.coarsest, -static_cast<int>(level));
+    slot.grid = flat_[chart].is
+                    ? flat_grid(chart, spacing)
+                    : make_grid(surface_, planes_[known.plane], known, spacing, sampling_.halves);
   });
   return slot.grid;
 }

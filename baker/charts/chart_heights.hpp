@@ -9,6 +9,7 @@
 
 #include "baker/charts/plane_charts.hpp"
 #include "baker/surface/outer_surface.hpp"
+#include "common/surface/height_chart.hpp"
 #include "common/surface/support_plane.hpp"
 
 namespace spm::baker {
@@ -19,19 +20,28 @@ struct HeightGrid {
   double spacing = 0;                  ///< m
   std::int32_t column0 = 0, row0 = 0;  ///< of the plane's lattice
   std::uint32_t columns = 0, rows = 0;
-  std::vector<float> heights;  ///< m below the plane
+  ChartBase base;
+  std::vector<float> heights;  ///< m below the base
 
+  /// m, of a column and a row.
+  [[nodiscard]] double eta(std::size_t column) const noexcept {
+    return spacing * (column0 + static_cast<double>(column));
+  }
+  [[nodiscard]] double omega(std::size_t row) const noexcept {
+    return spacing * (row0 + static_cast<double>(row));
+  }
   [[nodiscard]] float at(std::int64_t column, std::int64_t row) const noexcept {
     return heights[static_cast<std::size_t>(row) * columns + static_cast<std::size_t>(column)];
   }
 };
 
-/// How the spacings of distance maps are chosen.
-struct MapSpacings {
+/// How distance maps are sampled.
+struct MapSampling {
   double coarsest = 0;       ///< m, of level 0, for flat charts; each level halves it
   std::uint32_t curved = 0;  ///< the first level of charts that are not flat
   std::uint32_t levels = 1;  ///< of all
   double flat_within = 0;    ///< m: a chart is flat where its corners are no farther off a plane
+  bool halves = false;       ///< heights are HALF samples, not FLOAT
 };
 
 /// The distance maps (eq. 2) of all charts at several spacings, each made when it is first asked
@@ -44,7 +54,7 @@ class ChartHeights {
  public:
   /// All arguments must outlive this.
   ChartHeights(const OuterSurface& surface, std::span<const SupportPlane> planes,
-               const PlaneCharts& charts, const MapSpacings& spacings);
+               const PlaneCharts& charts, const MapSampling& sampling);
   ~ChartHeights();
   ChartHeights(const ChartHeights&) = delete;
   ChartHeights& operator=(const ChartHeights&) = delete;
@@ -52,13 +62,14 @@ class ChartHeights {
   [[nodiscard]] const HeightGrid& of(std::uint32_t chart, std::uint32_t level) const;
   [[nodiscard]] const PlaneCharts& charts() const noexcept { return charts_; }
   [[nodiscard]] std::span<const SupportPlane> planes() const noexcept { return planes_; }
-  [[nodiscard]] double spacing() const noexcept { return spacings_.coarsest; }  ///< m, of level 0
+  [[nodiscard]] double spacing() const noexcept { return sampling_.coarsest; }  ///< m, of level 0
+  [[nodiscard]] bool halves() const noexcept { return sampling_.halves; }
   /// Levels at which a chart is worth a trial: the first, and the one behind the last.
   [[nodiscard]] std::uint32_t first_level(std::uint32_t chart) const noexcept {
-    return flat_[chart].is ? 0 : spacings_.curved;
+    return flat_[chart].is ? 0 : sampling_.curved;
   }
   [[nodiscard]] std::uint32_t end_level(std::uint32_t chart) const noexcept {
-    return flat_[chart].is ? 1 : spacings_.levels;
+    return flat_[chart].is ? 1 : sampling_.levels;
   }
 
  private:
@@ -74,7 +85,7 @@ class ChartHeights {
   const OuterSurface& surface_;
   std::span<const SupportPlane> planes_;
   const PlaneCharts& charts_;
-  MapSpacings spacings_;
+  MapSampling sampling_;
   std::vector<FlatChart> flat_;
   std::unique_ptr<Slot[]> slots_;
 

@@ -104,7 +104,7 @@ Json parts_json(const MappedAsset& asset) {
 }
 
 std::uint64_t samples_of(const AssetView& view) {
-  std::uint64_t samples = view.atlas.size();
+  std::uint64_t samples = view.atlas.count;
   for (const DistanceMap& map : view.maps) {
     samples += std::uint64_t{map.columns} * map.rows * map.layers;
   }

@@ -24,6 +24,7 @@
 #include "baker/field/octree_words.hpp"
 #include "common/base/octahedral.hpp"
 #include "common/field/triangle_list.hpp"
+#include "formats/asset/chart_words.hpp"
 
 namespace spm::baker {
 
@@ -31,10 +32,6 @@ namespace {
 
 /// Share of the tolerance by which samples may be off; the rest is for places between them.
 constexpr double fit_share = 0.9;
-/// Maps may take so many times the bytes of a polynomial before it is taken in their place; in
-/// cubes of few triangles, of which a list would take few bytes.
-constexpr double polynomial_worth = 8, polynomial_worth_of_few = 4, polynomial_bytes = 16;
-constexpr double sample_bytes = 4;  ///< of a map
 /// The octree may take so many times the fewest bytes that it could, where that makes it faster;
 /// and so many bytes in any case.
 constexpr double spent_bytes = 1.4, least_bytes = 8192;
@@ -42,6 +39,9 @@ constexpr double spent_bytes = 1.4, least_bytes = 8192;
 constexpr double tried_bytes = 4;
 /// Around cubes beyond the band only so many triangles are looked at whether they are few.
 constexpr std::size_t worth_a_look = 64;
+
+/// Of a map, a sample.
+double sample_bytes(bool half) { return half ? sizeof(std::uint16_t) : sizeof(float); }
 
 class Builder {
  public:
@@ -160,12 +160,6 @@ class Builder {
     if (fits(node, tree, last || !rules_.maps, samples)) return;
     if (!last) {
       divide_in_octants(node, tree, level, is_few);
-      // Maps may take many small cubes where a polynomial takes a large one.
-      const double worth = is_few ? polynomial_worth_of_few : polynomial_worth;
-      if (bytes_as_divided(node) > worth * polynomial_bytes &&
-          fits_polynomials(node, tree, samples)) {
-        node.octants.reset();
-      }
       if (!is_few || !node.octants || has_map(*node.octants)) return;
       node.octants.reset();
     }
@@ -297,7 +291,7 @@ class Builder {
     const double spacing = std::ldexp(charts_.heights->spacing(), -static_cast<int>(at.level));
     const double along = 2 * cube.half / spacing;
     const double deep = (rules_.band.max_depth + rules_.band.margin) / (2 * cube.half);
-    return sample_bytes * along * along / std::max(1.0, deep);
+    return sample_bytes(charts_.heights->halves()) * along * along / std::max(1.0, deep);
   }
 
   static void become_list(OctreeNode& node, const CandidateTree& tree) {
@@ -382,8 +376,8 @@ Atlas atlas_of(const ChartHeights& heights, const OctreeRoots& roots) {
 }
 
 double bytes_of(const AtlasData& atlas, const std::vector<SupportPlane>& planes) {
-  constexpr double chart_bytes = 20, plane_bytes = 256;
-  return sample_bytes * static_cast<double>(atlas.heights.size()) +
+  constexpr double chart_bytes = 4 * chart_word_count, plane_bytes = 256;
+  return sample_bytes(atlas.halves) * static_cast<double>(atlas.heights.size()) +
          chart_bytes * static_cast<double>(atlas.charts.size()) +
          plane_bytes * static_cast<double>(planes.size());
 }

@@ -27,11 +27,14 @@ namespace {
 /// Of polynomials, and of the distance maps that answer.
 constexpr std::size_t directions = 8, map_directions = 42;
 /// The coarsest spacing of these maps, of the diagonal, which flat charts have; that of others is
-/// halved down to a 64th, and once more where it must be. Flat is what is so within a share of the
+/// halved down to a 64th, and twice more where it must be. Flat is what is so within a share of the
 /// tolerance.
 constexpr double map_spacing_share = 1.0 / 2;
-constexpr std::uint32_t curved_level = 5, map_levels = 7;
+constexpr std::uint32_t curved_level = 5, map_levels = 8;
 constexpr double flat_share = 0.02;
+/// Heights are HALF samples where the tolerance is this share of the diagonal or more, and so many
+/// metres: about fifty times what these are rounded by.
+constexpr double half_share = 2e-4, half_tolerance = 1e-6;
 /// How far maps go on over what other planes see better, in depths of the band and spacings.
 constexpr double reach_depths = 1, reach_spacings = 2;
 /// Tolerances below this share of the diagonal are not proven, since the rounding of queries is no
@@ -172,11 +175,13 @@ void bake_sparse(BakeResult& result, const OuterSurface& surface, const Caster& 
                            reach_depths * depth_of(metadata.band) +
                                std::ldexp(reach_spacings * map_spacing, -int{curved_level}));
   const Clock::time_point casting = Clock::now();
-  const ChartHeights heights(lattice.surface, map_planes, charts,
-                             {.coarsest = map_spacing,
-                              .curved = curved_level,
-                              .levels = map_levels,
-                              .flat_within = flat_share * tolerance});
+  const ChartHeights heights(
+      lattice.surface, map_planes, charts,
+      {.coarsest = map_spacing,
+       .curved = curved_level,
+       .levels = map_levels,
+       .flat_within = flat_share * tolerance,
+       .halves = tolerance >= std::max(half_share * caster.diagonal(), half_tolerance)});
   report.seconds_cast = seconds_since(casting);
   report.stages.end("charts");
   std::optional<BuiltOctree> built;

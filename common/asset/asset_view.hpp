@@ -95,7 +95,7 @@ struct AssetView {
   std::span<const SupportPlane> planes;
   std::span<const DistanceMap> maps;
   std::span<const HeightChart> charts;  ///< `sparse` only: the distance maps that answer
-  std::span<const float> atlas;         ///< `sparse` only: the heights of all charts
+  StoredHeights atlas;                  ///< `sparse` only: the heights of all charts
   std::span<const float> triangles;     ///< `full` only: of the fallback, three corners each, m
   Grid grid;                            ///< `full` only
   DistanceOctree octree;                ///< `sparse` only

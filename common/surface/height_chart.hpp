@@ -1,11 +1,14 @@
 // SPDX-License-Identifier: Apache-2.0
 #pragma once
 
+#include <bit>
 #include <cmath>
+#include <cstddef>
 #include <cstdint>
 #include <cstring>
 
 #include "common/base/vector.hpp"
+#include "common/surface/stored_heights.hpp"
 #include "common/surface/support_plane.hpp"
 
 namespace spm {
@@ -14,8 +17,9 @@ namespace spm {
 /// one support plane sees it. A view that owns nothing.
 ///
 /// The height of column i and row j belongs to the plane's point (eq. 1) at eta = (column0 + i)
-/// spacing, omega = (row0 + j) spacing: metres below the plane, FLOAT samples that are read in
-/// place. They are the coefficients of a biquadratic B-spline, which is D_SP.
+/// spacing, omega = (row0 + j) spacing: metres below the chart's base, along the plane's normal,
+/// samples that are read in place. They are the coefficients of a biquadratic B-spline, which is
+/// D_SP less the base.
 struct alignas(64) HeightChart {
   /// A function that is linear in space: the scalar product with a place, and a number.
   struct Linear {
@@ -25,8 +29,8 @@ struct alignas(64) HeightChart {
     }
   };
   Linear column, row;                   ///< of P_M, in spacings from the first height
-  Linear depth;                         ///< S_SP, m
-  const float* heights = nullptr;       ///< the first; one more may be read behind the last
+  Linear depth;                         ///< S_SP less the base, m
+  StoredHeights heights;                ///< from the first on; one more may be read behind the last
   std::uint32_t stride = 0;             ///< from one row to the next
   std::uint32_t columns = 0, rows = 0;  ///< 3 or more
   std::uint32_t plane = 0;              ///< row of the plane table
@@ -37,10 +41,23 @@ struct alignas(64) HeightChart {
   }
 };
 
+/// What a chart's heights count from: a plane through the piece of the surface, so that heights are
+/// small numbers, which HALF samples tell more exactly.
+struct ChartBase {
+  float depth = 0;                 ///< m below the support plane, at its origin x0
+  float by_eta = 0, by_omega = 0;  ///< how that grows
+
+  /// m below the support plane.
+  [[nodiscard]] double at(double eta, double omega) const noexcept {
+    return static_cast<double>(depth) + static_cast<double>(by_eta) * eta +
+           static_cast<double>(by_omega) * omega;
+  }
+};
+
 /// A chart without heights on a plane, so many metres between them; the first one belongs to that
 /// column and row.
 [[nodiscard]] inline HeightChart chart_on(const SupportPlane& plane, double spacing, double column0,
-                                          double row0) noexcept {
+                                          double row0, const ChartBase& base = {}) noexcept {
   const auto along = [&plane](const Vector3& axis, double scale, double at_origin) {
     return HeightChart::Linear{scale * axis[0], scale * axis[1], scale * axis[2],
                                at_origin - scale * axis.dot(plane.x0)};
@@ -49,7 +66,10 @@ struct alignas(64) HeightChart {
   HeightChart chart;
   chart.column = along(plane.u, per, -column0);
   chart.row = along(plane.v, per, -row0);
-  chart.depth = along(-plane.n, 1, 0);
+  const auto by_eta = static_cast<double>(base.by_eta),
+             by_omega = static_cast<double>(base.by_omega);
+  chart.depth =
+      along(-plane.n - by_eta * plane.u - by_omega * plane.v, 1, -static_cast<double>(base.depth));
   return chart;
 }
 
@@ -71,12 +91,22 @@ namespace height_chart {
 
 using Four = float __attribute__((vector_size(16)));
 
-/// The four heights from there on, less one of them, which keeps what follows as exact as floats
-/// can.
-[[nodiscard]] inline Four load(const float* at, float less) noexcept {
+/// The four heights from there on.
+[[nodiscard]] inline Four load(const float* at) noexcept {
   Four four;
   std::memcpy(&four, at, sizeof four);
-  return four - less;
+  return four;
+}
+[[nodiscard]] inline Four load(const std::uint16_t* at) noexcept {
+  using Long = std::uint64_t __attribute__((vector_size(16)));
+  using Halves = std::uint16_t __attribute__((vector_size(16)));
+  using Lanes = std::uint32_t __attribute__((vector_size(16)));
+  std::uint64_t four = 0;
+  std::memcpy(&four, at, sizeof four);
+  const auto halves = std::bit_cast<Halves>(Long{four, 0});
+  const auto lanes =
+      std::bit_cast<Lanes>(__builtin_shufflevector(halves, Halves{}, 0, 8, 1, 9, 2, 10, 3, 11));
+  return std::bit_cast<Four>((lanes << half_shift) + half_exponent);
 }
 
 /// Weights of three heights in a row for the value between them, and for the derivative by column
@@ -110,9 +140,22 @@ struct Sums {
 /// The nine heights about a place's projection, and where that lies between them.
 struct HeightStencil {
   float height = 0;  ///< the one in the middle, m
-  /// Rows of all less that; the fourth lane does not count.
+  /// Rows of all less that, which keeps what follows as exact as floats can; the fourth lane does
+  /// not count.
   height_chart::Four before{}, middle{}, after{};
   height_chart::Weights across, along;
+
+  /// Reads the rows, from the one of a place on.
+  template <class Sample>
+  void read(const Sample* first, std::size_t stride) noexcept {
+    before = height_chart::load(first);
+    middle = height_chart::load(first + stride);
+    after = height_chart::load(first + 2 * stride);
+    height = middle[1];
+    before -= height;
+    middle -= height;
+    after -= height;
+  }
 
   /// The rows with weights for each of them.
   [[nodiscard]] height_chart::Four blend(height_chart::Four weights) const noexcept {
@@ -129,12 +172,13 @@ struct HeightStencil {
   if (!(column >= 1 && row >= 1 && column < chart.columns - 1 && row < chart.rows - 1))
     return false;
   const auto i = static_cast<std::int32_t>(column), j = static_cast<std::int32_t>(row);
-  const float* first = chart.heights + static_cast<std::size_t>(j - 1) * chart.stride +
-                       static_cast<std::size_t>(i - 1);
-  stencil.height = first[chart.stride + 1];
-  stencil.before = height_chart::load(first, stencil.height);
-  stencil.middle = height_chart::load(first + chart.stride, stencil.height);
-  stencil.after = height_chart::load(first + 2 * std::size_t{chart.stride}, stencil.height);
+  const std::size_t first =
+      static_cast<std::size_t>(j - 1) * chart.stride + static_cast<std::size_t>(i - 1);
+  if (chart.heights.halves) {
+    stencil.read(chart.heights.half_at(first), chart.stride);
+  } else {
+    stencil.read(chart.heights.float_at(first), chart.stride);
+  }
   stencil.across = height_chart::Weights(static_cast<float>(from_first - i));
   stencil.along = height_chart::Weights(static_cast<float>(from_top - j));
   return true;

@@ -96,12 +96,11 @@ AssetTables tables_of(const Asset& asset) {
                .records = asset.grid.records};
   asset.octree.add_to(rest);
   asset.metadata.add_to(rest);
-  rest.atlas = asset.atlas.heights;
+  rest.atlas = std::span(asset.atlas.heights);
   std::vector<HeightChart> charts;
   charts.reserve(asset.atlas.charts.size());
   for (const ChartData& chart : asset.atlas.charts) {
-    charts.push_back(
-        chart_over(chart, asset.planes[chart.plane], asset.atlas, asset.atlas.heights.data()));
+    charts.push_back(chart_over(chart, asset.planes[chart.plane], asset.atlas, rest.atlas));
   }
   return AssetTables(asset.planes, std::move(maps), std::move(offsets), std::move(charts), rest);
 }

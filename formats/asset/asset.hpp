@@ -13,7 +13,7 @@
 namespace spm {
 
 /// The version of the file format that this program writes and reads.
-inline constexpr int asset_format_version = 10;
+inline constexpr int asset_format_version = 11;
 
 enum class AssetForm { sparse, full };
 
@@ -73,6 +73,7 @@ struct ChartData {
   std::int32_t column0 = 0, row0 = 0;
   std::uint32_t columns = 0, rows = 0;  ///< 3 or more, below 65536
   std::uint32_t first = 0;              ///< place of its first height in the atlas
+  ChartBase base;
 };
 
 /// The distance maps of a `sparse` asset: one picture of heights, in which each chart has its own
@@ -81,6 +82,7 @@ struct AtlasData {
   double spacing = 0;  ///< m, of level 0
   std::uint32_t width = 0;
   std::vector<float> heights;  ///< m, row by row
+  bool halves = false;         ///< stored as HALF samples, which all but unused ones are exactly
   std::vector<ChartData> charts;
 };
 

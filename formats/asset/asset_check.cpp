@@ -1,7 +1,10 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "formats/asset/asset_check.hpp"
 
+#include <algorithm>
+#include <cstdint>
 #include <limits>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -89,6 +92,18 @@ std::size_t count_bad(std::span<const float> values, bool infinity_allowed) {
   return bad;
 }
 
+/// Of HALF samples, which are below these where they are numbers.
+std::size_t count_bad(std::span<const std::uint16_t> halves) {
+  constexpr std::uint16_t infinite = 0x7C00;
+  return static_cast<std::size_t>(std::count_if(
+      halves.begin(), halves.end(), [](std::uint16_t half) { return half >= infinite; }));
+}
+
+std::size_t count_bad(const StoredHeights& heights) {
+  return heights.halves ? count_bad(std::span(heights.half_at(0), heights.count))
+                        : count_bad(std::span(heights.float_at(0), heights.count), false);
+}
+
 }  // namespace
 
 Result<void> check_content(const AssetView& asset, const std::string& path) {
@@ -100,7 +115,7 @@ Result<void> check_content(const AssetView& asset, const std::string& path) {
                                                " has samples that are not numbers; bake it again");
     }
   }
-  if (count_bad(asset.atlas, false) != 0) {
+  if (count_bad(asset.atlas) != 0) {
     return fail(ExitCode::invalid_input,
                 path + ": its maps have heights that are not numbers; bake it again");
   }

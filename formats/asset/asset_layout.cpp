@@ -131,7 +131,7 @@ Result<Maps> full_maps(const Parts& parts, const AssetDescription& description,
 /// The distance maps of a `sparse` asset, and the heights of all of them.
 struct AtlasRead {
   std::vector<HeightChart> charts;
-  std::span<const float> heights;
+  StoredHeights heights;
 };
 
 Result<AtlasRead> sparse_maps(const Parts& parts, const AssetDescription& description,
@@ -145,21 +145,26 @@ Result<AtlasRead> sparse_maps(const Parts& parts, const AssetDescription& descri
     if (picture != nullptr) return wrong_part(path, part_name::heights);
     return read;
   }
-  if (picture == nullptr || picture->type != SampleType::float32 ||
+  if (picture == nullptr || picture->type == SampleType::uint32 ||
       picture->channels != stored_channels(1) || picture->offsets.size() != 1 ||
       picture->tile_width != description.atlas.width) {
     return wrong_part(path, part_name::heights);
   }
-  read.heights = {floats_at(parts, picture->offsets.front()),
-                  std::size_t{picture->tile_width} * picture->tile_height};
+  const std::size_t heights = std::size_t{picture->tile_width} * picture->tile_height;
+  const std::uint64_t start = picture->offsets.front();
+  if (picture->type == SampleType::half16) {
+    read.heights = std::span(reinterpret_cast<const std::uint16_t*>(parts.at(start)), heights);
+  } else {
+    read.heights = std::span(floats_at(parts, start), heights);
+  }
   for (const ChartData& chart : read_charts(*words)) {
     const std::string problem = chart_problem(chart, description.planes.size(),
-                                              description.atlas.width, read.heights.size());
+                                              description.atlas.width, read.heights.count);
     if (!problem.empty()) {
       return refuse(path, "distance map " + std::to_string(read.charts.size()) + " " + problem);
     }
     read.charts.push_back(
-        chart_over(chart, description.planes[chart.plane], description.atlas, read.heights.data()));
+        chart_over(chart, description.planes[chart.plane], description.atlas, read.heights));
   }
   return read;
 }

@@ -109,8 +109,16 @@ PartPlan atlas_part(const Asset& asset) {
   part.tile_width = asset.atlas.width;
   part.tile_height = static_cast<std::uint32_t>(asset.atlas.heights.size() / asset.atlas.width);
   part.tiles = {1, 1};
-  part.payload = [&asset](std::uint32_t, std::vector<std::byte>&) {
-    return std::as_bytes(std::span(asset.atlas.heights));
+  part.type = asset.atlas.halves ? SampleType::half16 : SampleType::float32;
+  part.payload = [&asset](std::uint32_t, std::vector<std::byte>& made) {
+    const std::span<const float> heights(asset.atlas.heights);
+    if (!asset.atlas.halves) return std::as_bytes(heights);
+    made.resize(heights.size() * sizeof(std::uint16_t));
+    for (std::size_t i = 0; i < heights.size(); ++i) {
+      const std::uint16_t half = heights[i] < least_half ? std::uint16_t{0} : half_of(heights[i]);
+      std::memcpy(made.data() + i * sizeof half, &half, sizeof half);
+    }
+    return std::span<const std::byte>(made);
   };
   return part;
 }

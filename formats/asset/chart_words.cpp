@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "formats/asset/chart_words.hpp"
 
+#include <bit>
 #include <cmath>
 
 namespace spm {
@@ -9,19 +10,21 @@ std::vector<std::uint32_t> words_of(const std::vector<ChartData>& charts) {
   std::vector<std::uint32_t> words;
   words.reserve(charts.size() * chart_word_count);
   for (const ChartData& chart : charts) {
-    words.insert(
-        words.end(),
-        {chart.plane | chart.level << 16U, static_cast<std::uint32_t>(chart.column0),
-         static_cast<std::uint32_t>(chart.row0), chart.columns | chart.rows << 16U, chart.first});
+    words.insert(words.end(),
+                 {chart.plane | chart.level << 16U, static_cast<std::uint32_t>(chart.column0),
+                  static_cast<std::uint32_t>(chart.row0), chart.columns | chart.rows << 16U,
+                  chart.first, std::bit_cast<std::uint32_t>(chart.base.depth),
+                  std::bit_cast<std::uint32_t>(chart.base.by_eta),
+                  std::bit_cast<std::uint32_t>(chart.base.by_omega)});
   }
   return words;
 }
 
 HeightChart chart_over(const ChartData& data, const SupportPlane& plane, const AtlasData& atlas,
-                       const float* heights) noexcept {
+                       const StoredHeights& heights) noexcept {
   HeightChart chart = chart_on(plane, std::ldexp(atlas.spacing, -static_cast<int>(data.level)),
-                               data.column0, data.row0);
-  chart.heights = heights + data.first;
+                               data.column0, data.row0, data.base);
+  chart.heights = heights.from(data.first);
   chart.stride = atlas.width;
   chart.columns = data.columns;
   chart.rows = data.rows;
@@ -35,6 +38,10 @@ std::string chart_problem(const ChartData& chart, std::size_t planes, std::uint3
     return "names a plane that does not exist";
   }
   if (chart.level >= max_chart_levels) return "has a level that does not exist";
+  const ChartBase& base = chart.base;
+  if (!std::isfinite(base.depth) || !std::isfinite(base.by_eta) || !std::isfinite(base.by_omega)) {
+    return "has a base that is no plane";
+  }
   if (chart.columns < 3 || chart.rows < 3 || chart.columns > width || chart.columns > 0xFFFFU ||
       chart.rows > 0xFFFFU) {
     return "has a size that no chart has";
@@ -58,6 +65,8 @@ std::vector<ChartData> read_charts(std::span<const std::uint32_t> words) {
     chart.columns = own[3] & 0xFFFFU;
     chart.rows = own[3] >> 16U;
     chart.first = own[4];
+    chart.base = {std::bit_cast<float>(own[5]), std::bit_cast<float>(own[6]),
+                  std::bit_cast<float>(own[7])};
   }
   return charts;
 }

@@ -16,17 +16,17 @@ namespace spm {
 //   0: bits 0-15 the plane, 16-23 the level;
 //   1, 2: column0 and row0, signed;
 //   3: columns, and rows in the high half;
-//   4: the place of the first height.
+//   4: the place of the first height;
+//   5, 6, 7: the base's depth, by_eta and by_omega, floats.
 
-inline constexpr std::uint32_t chart_word_count = 5;
+inline constexpr std::uint32_t chart_word_count = 8;
 inline constexpr std::uint32_t max_chart_planes = 1U << 16U, max_chart_levels = 32;
 
 [[nodiscard]] std::vector<std::uint32_t> words_of(const std::vector<ChartData>& charts);
 
-/// A chart as queries see it, over the heights of an atlas, from the first of all on. Of `atlas`
-/// only the shape is read.
+/// A chart as queries see it, over all heights of an atlas. Of `atlas` only the shape is read.
 [[nodiscard]] HeightChart chart_over(const ChartData& data, const SupportPlane& plane,
-                                     const AtlasData& atlas, const float* heights) noexcept;
+                                     const AtlasData& atlas, const StoredHeights& heights) noexcept;
 
 /// The problem of a chart that cannot be stored, or does not lie in an atlas of so many heights;
 /// empty where there is none.

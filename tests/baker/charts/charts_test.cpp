@@ -27,11 +27,13 @@ struct Charted {
   PlaneCharts charts;
   ChartHeights heights;
 
-  explicit Charted(const test::Shape& shape, double spacing = 1e-3, double reach = 3e-3)
+  explicit Charted(const test::Shape& shape, double spacing = 1e-3, double reach = 3e-3,
+                   bool halves = false)
       : surface(test::surface_of(shape)),
         planes(vertex_based_planes(convex_hull(shape.vertices), 20)),
         charts(surface, planes, reach),
-        heights(surface, planes, charts, {.coarsest = spacing, .curved = 0, .levels = 3}) {}
+        heights(surface, planes, charts,
+                {.coarsest = spacing, .curved = 0, .levels = 3, .halves = halves}) {}
 
   [[nodiscard]] Vector3 normal(std::uint32_t triangle) const {
     const auto& t = surface.triangles[triangle];
@@ -129,7 +131,8 @@ TEST_CASE("Heights of a flat face are its depth below the plane, past its border
     std::size_t told = 0;
     for (std::uint32_t row = 0; row < grid.rows; ++row) {
       for (std::uint32_t column = 0; column < grid.columns; ++column) {
-        const auto height = static_cast<double>(grid.at(column, row));
+        const double height = static_cast<double>(grid.at(column, row)) +
+                              grid.base.at(grid.eta(column), grid.omega(row));
         if (std::isnan(height)) continue;
         ++told;
         const Vector3 on = support_plane_point(plane, grid.spacing * (grid.column0 + int(column)),
@@ -202,7 +205,8 @@ TEST_CASE("Nowhere in a cube does a chart leave its bounds") {
 }
 
 TEST_CASE("What a query tells of a chart is what was bounded, to the rounding of floats") {
-  const Charted made(rough(test::sphere(0.01, 4), 5e-3));
+  const bool halves = GENERATE(false, true);
+  const Charted made(rough(test::sphere(0.01, 4), 5e-3), 1e-3, 3e-3, halves);
   const std::vector<CoveredCube> cubes = covered_cubes(made, 300);
   Atlas atlas(made.heights);
   for (const CoveredCube& cube : cubes) atlas.need(cube.at, cube.middle, cube.half);
@@ -211,7 +215,8 @@ TEST_CASE("What a query tells of a chart is what was bounded, to the rounding of
   std::vector<HeightChart> charts;
   for (const ChartData& chart : data.charts) {
     REQUIRE(chart_problem(chart, planes.size(), data.width, data.heights.size()).empty());
-    charts.push_back(chart_over(chart, planes[chart.plane], data, data.heights.data()));
+    charts.push_back(
+        chart_over(chart, planes[chart.plane], data, std::span<const float>(data.heights)));
   }
   for (const CoveredCube& cube : cubes) {
     const ChartField field(made.heights, cube.at.chart, cube.at.level);

@@ -64,12 +64,12 @@ struct Built {
     for (const ChartData& chart : built.atlas.charts) {
       REQUIRE(chart_problem(chart, all_planes.size(), built.atlas.width, built.atlas.heights.size())
                   .empty());
-      seen_charts.push_back(
-          chart_over(chart, all_planes[chart.plane], built.atlas, built.atlas.heights.data()));
+      seen_charts.push_back(chart_over(chart, all_planes[chart.plane], built.atlas,
+                                       std::span<const float>(built.atlas.heights)));
     }
     view.planes = all_planes;
     view.charts = seen_charts;
-    view.atlas = built.atlas.heights;
+    view.atlas = std::span<const float>(built.atlas.heights);
     view.band = rules.band;
     view.tolerance = tolerance;
   }

@@ -66,14 +66,14 @@ TEST_CASE("What a bake writes changes only with its version") {
   // algorithm_version where the digests differ and the format is the same, then write all of them
   // down here.
   CHECK(algorithm_version == 12);
-  CHECK(asset_format_version == 10);
+  CHECK(asset_format_version == 11);
   CHECK(digest_of(step, [](BuildRequest& request) { request.bake.tolerance = 2.5e-4; }) ==
-        "3aa4cda0098820fdc43edcb0758fbb44cdcc95d24c4c270918757aa3a1992bed");
+        "c0751c216346aa296645cf584a17ec88f0feed4e19e48abdf2104cfcc8c75ff7");
   CHECK(digest_of(corner, [](BuildRequest& request) {
           request.bake.form = AssetForm::full;
           request.bake.planes = 6;
           request.bake.resolution = 5;
-        }) == "3bb92cb4083530a10bf8e94d23bb87228277245450d77c562c6f032fa5abdce7");
+        }) == "d27439fbbc16377525546aff1052273c4537257f34e2628af55b7b2a21d404bb");
 }
 
 }  // namespace spm::baker::algorithm_version_test

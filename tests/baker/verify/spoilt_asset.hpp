@@ -16,6 +16,7 @@ namespace spm::test {
 template <class Which>
 void raise_maps(Asset& asset, double by, const Which& which) {
   AtlasData& atlas = asset.atlas;
+  atlas.halves = false;
   const auto charts = static_cast<std::uint32_t>(atlas.charts.size());
   const auto heights = static_cast<std::uint32_t>(atlas.heights.size());
   const AssetTables tables = tables_of(asset);

@@ -60,7 +60,7 @@ struct TwoMaps {
       std::vector<float>& flat = heights[charts.size()];
       flat.assign(std::size_t{side} * side + 1, static_cast<float>(-place));
       HeightChart chart = chart_on(planes[0], size / 2, -4, -4);
-      chart.heights = flat.data();
+      chart.heights = std::span<const float>(flat);
       chart.stride = chart.columns = chart.rows = side;
       charts.push_back(chart);
     }

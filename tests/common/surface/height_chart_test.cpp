@@ -5,7 +5,9 @@
 #include <array>
 #include <catch2/catch.hpp>
 #include <cmath>
+#include <cstdint>
 #include <limits>
+#include <span>
 #include <vector>
 
 #include "common/surface/support_plane_mapping.hpp"
@@ -43,7 +45,7 @@ struct Made {
       }
     }
     chart = chart_on(plane, spacing, -5, -4);
-    chart.heights = heights.data();
+    chart.heights = std::span<const float>(heights);
     chart.stride = chart.columns = chart.rows = side;
   }
 };
@@ -117,6 +119,53 @@ TEST_CASE("Across the lattice's cells a chart's distance and normal go on withou
     REQUIRE(contact_on(made.chart, {border + 1e-12, along, -0.01}, after));
     CHECK(before.penetration == Approx(after.penetration).margin(1e-9));
     CHECK((before.normal - after.normal).norm() < 1e-5);
+  }
+}
+
+TEST_CASE("Heights that are HALF samples answer as the same ones that are FLOAT") {
+  test::RandomTwister random(7);
+  Made made(plane_with_normal({0.01, 0.02, 0.03}, Vector3(1, 2, 3).normalized()), {});
+  std::vector<std::uint16_t> halves;
+  for (float& height : made.heights) {
+    halves.push_back(half_of(height + static_cast<float>(random.between(-1e-3, 1e-3))));
+    height = float_of_half(halves.back());
+  }
+  HeightChart chart = made.chart;
+  chart.heights = std::span<const std::uint16_t>(halves);
+  for (int k = 0; k < 200; ++k) {
+    const Vector3 place(random.between(-0.02, 0.04), random.between(-0.02, 0.04),
+                        random.between(-0.02, 0.04));
+    MapContact of_floats, of_halves;
+    REQUIRE(contact_on(made.chart, place, of_floats) == contact_on(chart, place, of_halves));
+    CHECK(of_floats.penetration == of_halves.penetration);
+    CHECK(of_floats.normal == of_halves.normal);
+  }
+}
+
+TEST_CASE("Heights below a base tell what those below the support plane do") {
+  test::RandomTwister random(9);
+  const SupportPlane plane = plane_with_normal({0.01, 0.02, 0.03}, Vector3(3, -2, 1).normalized());
+  Paraboloid surface;
+  surface.eta_eta = 30;
+  surface.omega_omega = -20;
+  const Made relief(plane, surface);
+  const ChartBase base{0.004F, 0.3F, -0.2F};
+  surface.base += static_cast<double>(base.depth);
+  surface.eta = static_cast<double>(base.by_eta);
+  surface.omega = static_cast<double>(base.by_omega);
+  const Made whole(plane, surface);
+  HeightChart chart = chart_on(plane, spacing, -5, -4, base);
+  chart.heights = std::span<const float>(relief.heights);
+  chart.stride = chart.columns = chart.rows = side;
+  for (int k = 0; k < 200; ++k) {
+    const Vector3 place =
+        support_plane_point(plane, random.between(-3e-3, 5e-3), random.between(-2e-3, 6e-3)) -
+        random.between(0, 0.02) * plane.n;
+    MapContact of_whole, of_relief;
+    REQUIRE(contact_on(whole.chart, place, of_whole));
+    REQUIRE(contact_on(chart, place, of_relief));
+    CHECK(of_whole.penetration == Approx(of_relief.penetration).margin(2e-8));
+    CHECK((of_whole.normal - of_relief.normal).norm() < 2e-5);
   }
 }
 

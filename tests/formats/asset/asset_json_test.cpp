@@ -72,7 +72,7 @@ TEST_CASE("Every wrong field of a description is refused by its name") {
   };
   const std::vector<Case> cases = {
       {"format_version", [](Json& j) { j["format_version"] = "2"; }},
-      {"format version 11, this program reads 10", [](Json& j) { j["format_version"] = 11; }},
+      {"format version 12, this program reads 11", [](Json& j) { j["format_version"] = 12; }},
       {"`form`", [](Json& j) { j["form"] = "dense"; }},
       {"`units`", [](Json& j) { j["units"] = "mm"; }},
       {"`kind`", [](Json& j) { j.erase("kind"); }},
@@ -226,7 +226,7 @@ TEST_CASE("Every wrong field of the octree and its triangles is refused by its n
 TEST_CASE("A file of another format version is refused with who wrote it and what to do") {
   for (const auto& [version, cure] :
        {std::pair{4, "; an older spm-bake wrote it; bake it again"},
-        {11, "; a newer spm-bake wrote it, update this one; bake it again"}}) {
+        {12, "; a newer spm-bake wrote it, update this one; bake it again"}}) {
     Json json = Json::parse(sparse_text());
     json["format_version"] = version;
     // Other versions have other fields, which are not looked at.
@@ -235,7 +235,7 @@ TEST_CASE("A file of another format version is refused with who wrote it and wha
     REQUIRE(!parsed);
     CHECK(parsed.error().code == ExitCode::invalid_input);
     CHECK(parsed.error().message ==
-          "a.exr: format version " + std::to_string(version) + ", this program reads 10" + cure);
+          "a.exr: format version " + std::to_string(version) + ", this program reads 11" + cure);
   }
 }
 

@@ -200,8 +200,8 @@ std::vector<Damage> wrong_descriptions() {
   const std::string lists = std::to_string(sparse_asset(1).octree.lists.size());
   return {
       {"the version before",
-       with_header_text(sparse, "\"format_version\":10", "\"format_version\":4 "),
-       "format version 4, this program reads 10; an older spm-bake wrote it; bake it again"},
+       with_header_text(sparse, "\"format_version\":11", "\"format_version\":4 "),
+       "format version 4, this program reads 11; an older spm-bake wrote it; bake it again"},
       {"tolerance NaN",
        with_header_text(sparse, "\"tolerance\":3.3333333333333335e-05",
                         "\"tolerance\":NaN                   "),
@@ -240,14 +240,21 @@ std::vector<Damage> wrong_descriptions() {
 std::vector<Damage> wrong_content() {
   const std::string sparse = sparse_bytes();
   const std::string full = full_bytes();
+  Asset of_halves = sparse_asset(1);
+  of_halves.atlas.halves = true;
+  const std::string halves = baked(of_halves);
   constexpr std::uint32_t nan = 0x7FC00000, infinity = 0x7F800000;
   return {
-      {"a map of no plane", with_word(sparse, flat_word(sparse, "grid_maps", 5), 10),
+      {"a map of no plane", with_word(sparse, flat_word(sparse, "grid_maps", 8), 10),
        "distance map 1 names a plane"},
-      {"a map of no size", with_word(sparse, flat_word(sparse, "grid_maps", 5 + 3), 2),
+      {"a map of no size", with_word(sparse, flat_word(sparse, "grid_maps", 8 + 3), 2),
        "distance map 1 has a size"},
-      {"a map outside the picture", with_word(sparse, flat_word(sparse, "grid_maps", 5 + 4), 1000),
+      {"a map outside the picture", with_word(sparse, flat_word(sparse, "grid_maps", 8 + 4), 1000),
        "distance map 1 lies outside"},
+      {"a map of a NaN base", with_word(sparse, flat_word(sparse, "grid_maps", 8 + 6), nan),
+       "distance map 1 has a base"},
+      {"a map of an infinite HALF height",
+       with_word(halves, flat_word(halves, "heights", 20), 0x3C007C00), "not numbers"},
       {"a map of NaN height", with_word(sparse, flat_word(sparse, "heights", 40), nan),
        "heights that are not numbers"},
       {"a map of infinite height", with_word(sparse, flat_word(sparse, "heights", 40), infinity),

@@ -40,7 +40,9 @@ struct Opened {
 
 double sum_of_samples(const AssetView& view) {
   double sum = 0;
-  for (const float height : view.atlas) sum += std::abs(static_cast<double>(height));
+  for (std::size_t k = 0; k < view.atlas.count; ++k) {
+    sum += std::abs(static_cast<double>(view.atlas.at(k)));
+  }
   return sum;
 }
 

@@ -12,6 +12,7 @@
 #include <catch2/catch.hpp>
 #include <cstdlib>
 #include <nlohmann/json.hpp>
+#include <string>
 
 #include "formats/asset/asset.hpp"
 #include "formats/asset/asset_writer.hpp"
@@ -111,12 +112,17 @@ TEST_CASE("OpenEXR's reader gives the samples that were baked") {
 }
 
 TEST_CASE("OpenEXR's reader gives the picture of the distance maps that was baked") {
-  const AtlasData atlas = sparse_asset(1).atlas;
-  Imf::MultiPartInputFile file(both_forms().path("sparse.exr").c_str());
+  const TemporaryFolder folder;
+  Asset asset = sparse_asset(1);
+  const AtlasData& atlas = asset.atlas;
+  asset.atlas.halves = GENERATE(false, true);
+  const std::string path = folder.path("a.exr");
+  REQUIRE(write_asset(asset, path).has_value());
+  Imf::MultiPartInputFile file(path.c_str());
   REQUIRE(file.header(0).name() == "heights");
   const Imf::Channel* channel = file.header(0).channels().findChannel("Y");
   REQUIRE(channel != nullptr);
-  CHECK(channel->type == Imf::FLOAT);
+  CHECK(channel->type == (atlas.halves ? Imf::HALF : Imf::FLOAT));
   Imf::TiledInputPart tiles(file, 0);
   REQUIRE(tiles.tileXSize() == atlas.width);
   std::vector<float> read(atlas.heights.size());

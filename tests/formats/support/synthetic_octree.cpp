@@ -6,6 +6,7 @@
 #include <stdexcept>
 #include <vector>
 
+#include "common/base/half.hpp"
 #include "common/base/octahedral.hpp"
 #include "common/field/local_map.hpp"
 #include "tests/formats/support/synthetic_asset.hpp"
@@ -186,7 +187,9 @@ AtlasData random_atlas(Random& random, std::uint32_t planes, std::uint32_t chart
   // One more row, since one more height may be read behind the last.
   const std::uint32_t rows = side * ((charts + across - 1) / across) + 1;
   for (std::uint32_t k = 0; k < atlas.width * rows; ++k) {
-    atlas.heights.push_back(static_cast<float>(random.between(0, 0.02)));
+    // As HALF samples can be.
+    const auto height = static_cast<float>(random.between(1e-3, 0.02));
+    atlas.heights.push_back(float_of_half(half_of(height)));
   }
   for (std::uint32_t k = 0; k < charts; ++k) {
     ChartData& chart = atlas.charts.emplace_back();
@@ -195,6 +198,9 @@ AtlasData random_atlas(Random& random, std::uint32_t planes, std::uint32_t chart
     chart.column0 = -static_cast<std::int32_t>(side / 2);
     chart.row0 = -static_cast<std::int32_t>(side / 2);
     chart.columns = chart.rows = side;
+    chart.base = {static_cast<float>(random.between(0, 0.01)),
+                  static_cast<float>(random.between(-1, 1)),
+                  static_cast<float>(random.between(-1, 1))};
     chart.first = k / across * side * atlas.width + k % across * side;
   }
   return atlas;
