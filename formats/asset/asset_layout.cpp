@@ -157,6 +157,7 @@ Result<AtlasRead> sparse_maps(const Parts& parts, const AssetDescription& descri
   } else {
     read.heights = std::span(floats_at(parts, start), heights);
   }
+  read.charts.reserve(count);
   for (const ChartData& chart : read_charts(*words)) {
     const std::string problem = chart_problem(chart, description.planes.size(),
                                               description.atlas.width, read.heights.count);

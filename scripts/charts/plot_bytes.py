@@ -78,6 +78,8 @@ def draw_ours(axes, report: dict, mesh: str, tolerance: float) -> None:
     if not rows:
         return
     x, y = points(rows)
+    axes.plot(*points(rows_of(report["before"], mesh, "spm")), color=OURS, linewidth=1.2, alpha=0.6,
+              linestyle=(0, (3, 2)), zorder=4)
     axes.plot(x, y, color=OURS, linewidth=2.2, marker="o", markersize=5, markeredgecolor="white",
               markeredgewidth=0.6, zorder=5)
     label(axes, (x[0], y[0]), "spm", OURS, (-3, 7), fontsize=11, fontweight="bold", zorder=7)
@@ -138,6 +140,7 @@ def draw_key(axes, report: dict) -> None:
         ("", "#444444", "normal"),
         ("spm: small figures are the tolerance asked for, um;", OURS, "normal"),
         ("the ring marks the one of the project's table.", OURS, "normal"),
+        (f"Dashed: spm as it was, {report['before']['what']}.", OURS, "normal"),
         ("dense SDF, OpenVDB, NanoVDB (8 bits): cells of", COLOURS["dense-sdf"], "normal"),
         (", ".join(length(v) for v in voxels) + ".", COLOURS["dense-sdf"], "normal"),
         ("adaptive SDF: the tolerances of spm, from 50 um.", COLOURS["adaptive-sdf"], "normal"),
