@@ -302,7 +302,7 @@ def served_table(reports: dict) -> list[str]:
             return " / ".join(number(own["ns"][state] / min(row["ns"][state] for row in rows))
                               for state in ("hot", "random"))
 
-        return [f"{mesh['mesh']}, {mesh['tolerance_um']:g} um", megabytes(own["bytes"]),
+        return [f"{mesh['mesh']}, {mesh['tolerance_um']:g} um", megabytes(own["file_bytes"]),
                 f"{1e3 * own['open_seconds']:.0f} ms", hot_and_random(own),
                 f"{own['ns']['hot_p99']:,.0f}", shares(embree), shares(small) if small else "",
                 f"{100 * bake['verify']['fallback_answers']:.0f} %", f"{bake['bake_seconds']:.1f} s"]
