@@ -120,8 +120,8 @@ class Reader:
         tell("  its normal n_SP", n)
         tell("P_M (eq. 1): eta, omega, m", (eta, omega))
         tell("S_SP, m below the plane", (s_sp,))
-        tell(f"distance map {number} of {len(self.maps) // WORDS}: its spacing, m, and the column and row of P_M",
-             (spacing, column, row))
+        tell(f"distance map {number} of {len(self.maps) // WORDS}: its spacing, m, and the column and row of "
+             "P_M", (spacing, column, row))
         tell("its heights there, m below its base", (below_base,))
         tell("D_SP(P_M) (eq. 2), m below the plane", (d_sp,))
         tell("S_SP - D_SP(P_M) (eq. 3), m", (s_sp - d_sp,))

@@ -38,8 +38,9 @@ void check_with_tool(const std::string& tool, const std::string& arguments,
   }
   const std::string complaints = folder.path("complaints");
   for (const char* file : {"sparse.exr", "full.exr"}) {
-    const std::string command = tool + " " + arguments + " " + folder.path(file) + " >" +
-                                folder.path("printed") + " 2>" + complaints;
+    std::string command = tool;
+    command.append(" ").append(arguments).append(" ").append(folder.path(file));
+    command.append(" >").append(folder.path("printed")).append(" 2>").append(complaints);
     INFO(command);
     const int ended = std::system(command.c_str());
     if (code == ExitCodeOf::success) CHECK(ended == 0);
@@ -98,12 +99,12 @@ TEST_CASE("OpenEXR's reader gives the samples that were baked") {
     const int tile = next_tile[map.layers]++;
     std::vector<float> read(map.samples.size(), -1);
     Imf::FrameBuffer buffer;
-    const int columns = static_cast<int>(map.columns), rows = static_cast<int>(map.rows);
     for (std::uint32_t layer = 0; layer < map.layers; ++layer) {
-      buffer.insert(
-          channel_name(layer),
-          Imf::Slice(Imf::FLOAT, reinterpret_cast<char*>(read.data() + layer * columns * rows),
-                     sizeof(float), sizeof(float) * map.columns, 1, 1, 0, true, true));
+      buffer.insert(channel_name(layer),
+                    Imf::Slice(Imf::FLOAT,
+                               reinterpret_cast<char*>(read.data() +
+                                                       std::size_t{layer} * map.columns * map.rows),
+                               sizeof(float), sizeof(float) * map.columns, 1, 1, 0, true, true));
     }
     tiles.setFrameBuffer(buffer);
     tiles.readTile(tile % tiles.numXTiles(), tile / tiles.numXTiles());
