@@ -225,7 +225,7 @@ std::uint32_t Atlas::find_parts(Needed& needed) {
 
 AtlasData Atlas::lay_out(std::uint32_t first_plane, std::vector<SupportPlane>& planes) {
   AtlasData atlas;
-  atlas.spacing = heights_.spacing();
+  atlas.spacing = heights_.spacing(0);
   atlas.halves = heights_.halves();
   std::map<std::uint32_t, std::uint32_t> rows_of_planes;
   std::vector<Shape> shapes;

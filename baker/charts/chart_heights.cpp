@@ -377,10 +377,9 @@ const HeightGrid& ChartHeights::of(std::uint32_t chart, std::uint32_t level) con
   Slot& slot = slots_[std::size_t{chart} * sampling_.levels + level];
   std::call_once(slot.once, [&] {
     const PlaneChart& known = charts_.charts()[chart];
-    const double spacing = std::ldexp(sampling_.coarsest, -static_cast<int>(level));
-    slot.grid = flat_[chart].is
-                    ? flat_grid(chart, spacing)
-                    : make_grid(surface_, planes_[known.plane], known, spacing, sampling_.halves);
+    slot.grid = flat_[chart].is ? flat_grid(chart, spacing(level))
+                                : make_grid(surface_, planes_[known.plane], known, spacing(level),
+                                            sampling_.halves);
   });
   return slot.grid;
 }

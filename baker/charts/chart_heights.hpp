@@ -1,6 +1,7 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <cmath>
 #include <cstdint>
 #include <memory>
 #include <mutex>
@@ -62,7 +63,10 @@ class ChartHeights {
   [[nodiscard]] const HeightGrid& of(std::uint32_t chart, std::uint32_t level) const;
   [[nodiscard]] const PlaneCharts& charts() const noexcept { return charts_; }
   [[nodiscard]] std::span<const SupportPlane> planes() const noexcept { return planes_; }
-  [[nodiscard]] double spacing() const noexcept { return sampling_.coarsest; }  ///< m, of level 0
+  /// m, of a level.
+  [[nodiscard]] double spacing(std::uint32_t level) const noexcept {
+    return std::ldexp(sampling_.coarsest, -static_cast<int>(level));
+  }
   [[nodiscard]] bool halves() const noexcept { return sampling_.halves; }
   /// Levels at which a chart is worth a trial: the first, and the one behind the last.
   [[nodiscard]] std::uint32_t first_level(std::uint32_t chart) const noexcept {

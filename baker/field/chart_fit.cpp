@@ -146,8 +146,7 @@ std::vector<SampledChart> charts_over(const std::vector<CubeSample>& samples,
   for (const std::uint32_t chart : facing_charts(samples, chosen, heights)) {
     for (std::uint32_t level = heights.first_level(chart); level < heights.end_level(chart);
          ++level) {
-      const double spacing = std::ldexp(heights.spacing(), -static_cast<int>(level));
-      if (spacing < finest * 2 * cube.half) break;
+      if (heights.spacing(level) < finest * 2 * cube.half) break;
       // A finer spacing reaches less far past the chart's border.
       if (!ChartField(heights, chart, level).covers(cube.middle, cube.half)) break;
       found.emplace_back(ChartAtLevel{chart, level}, samples, cube, heights);

@@ -156,8 +156,7 @@ class Builder {
   void answer(OctreeNode& node, CandidateTree& tree, int level, bool below_few) const {
     const bool is_few = node.few.has_value();
     const bool last = level == rules_.levels || (is_few && (below_few || !rules_.maps));
-    Samples samples;
-    if (fits(node, tree, last || !rules_.maps, samples)) return;
+    if (fits(node, tree, last || !rules_.maps)) return;
     if (!last) {
       divide_in_octants(node, tree, level, is_few);
       if (!is_few || !node.octants || has_map(*node.octants)) return;
@@ -208,16 +207,12 @@ class Builder {
 
   /// Whether maps, or else polynomials, answer within the tolerance everywhere in the cube. Where
   /// smaller cubes are still to come, maps alone.
-  bool fits(OctreeNode& node, CandidateTree& tree, bool smallest, Samples& samples) const {
+  bool fits(OctreeNode& node, CandidateTree& tree, bool smallest) const {
     if (tree.candidates.mixed()) return false;
+    Samples samples;
     return take(node, proven_.maps_of(node.cube, [&] { return charts_of(tree, samples); })) ||
-           (smallest && fits_polynomials(node, tree, samples));
-  }
-
-  bool fits_polynomials(OctreeNode& node, CandidateTree& tree, Samples& samples) const {
-    if (tree.candidates.mixed()) return false;
-    return take(node,
-                proven_.polynomials_of(node.cube, [&] { return polynomials_of(tree, samples); }));
+           (smallest && take(node, proven_.polynomials_of(
+                                       node.cube, [&] { return polynomials_of(tree, samples); })));
   }
 
   /// Samples of a cube, made where they are first asked for.
@@ -288,8 +283,7 @@ class Builder {
   /// What a cube's part of a chart's heights takes, which the cubes before and behind it in the
   /// band have too.
   [[nodiscard]] double bytes_of_heights(const ChartAtLevel& at, const Cube& cube) const {
-    const double spacing = std::ldexp(charts_.heights->spacing(), -static_cast<int>(at.level));
-    const double along = 2 * cube.half / spacing;
+    const double along = 2 * cube.half / charts_.heights->spacing(at.level);
     const double deep = (rules_.band.max_depth + rules_.band.margin) / (2 * cube.half);
     return sample_bytes(charts_.heights->halves()) * along * along / std::max(1.0, deep);
   }

@@ -183,12 +183,16 @@ void make_lists_in(const LatticeSurface& surface, OctreeNode& node) {
 
 }  // namespace
 
+namespace {
+
 double bytes_as_divided(const OctreeNode& node) {
   if (!node.octants) return cost_of_leaf(node, 0).bytes;
   double bytes = word_bytes * words_of(OctreeKind::split);
   for (const OctreeNode& octant : *node.octants) bytes += bytes_as_divided(octant);
   return bytes;
 }
+
+}  // namespace
 
 double bytes_as_divided(const OctreeRoots& roots) {
   double bytes = root_bytes * static_cast<double>(roots.nodes.size());

@@ -22,7 +22,6 @@ using RootMaker = std::function<OctreeNode(const Cube&)>;
 
 /// Bytes of the octree's words and maps as it is, without what make_lists would make of it.
 [[nodiscard]] double bytes_as_divided(const OctreeRoots& roots);
-[[nodiscard]] double bytes_as_divided(const OctreeNode& node);
 
 /// Which triangles lists have, those that were found too, or no tile shows.
 [[nodiscard]] std::vector<bool> used_triangles(const LatticeSurface& surface,

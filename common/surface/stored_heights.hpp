@@ -39,9 +39,6 @@ struct StoredHeights {
   [[nodiscard]] const std::uint16_t* half_at(std::size_t place) const noexcept {
     return static_cast<const std::uint16_t*>(first) + place;
   }
-  [[nodiscard]] std::size_t bytes() const noexcept {
-    return count * (halves ? sizeof(std::uint16_t) : sizeof(float));
-  }
 };
 
 }  // namespace spm
