@@ -23,7 +23,7 @@ constexpr std::size_t max_pressed_patches = 128;  ///< at most 256, as patch_at_
 constexpr std::size_t max_touches = 1024;
 /// Objects of which the finest samples are remembered.
 constexpr std::uint32_t max_slots = 8;
-constexpr std::size_t max_whole = 512, max_near = 6144, max_told = 1536;
+constexpr std::size_t max_near = 6144, max_told = 1536;
 constexpr std::size_t least_room = 1024;  ///< of active samples
 
 }  // namespace
@@ -46,7 +46,6 @@ ObjectContact::ObjectContact(const SurfaceSamples& tool, const ObjectContactSett
       std::max(std::min<std::size_t>(settings.max_active, std::max(least_room, above)), coarsest);
   active_.reserve(room);
   next_.reserve(room);
-  whole_.reserve(max_whole);
   near_.reserve(max_near);
   contacts_.reserve(max_told);
   kept_contacts_.reserve(max_told);
@@ -77,7 +76,7 @@ std::size_t ObjectContact::bytes() const noexcept {
          (active_.capacity() + next_.capacity()) * sizeof(Active) +
          (patches_.capacity() + kept_.capacity()) * sizeof(PressedPatch) + patch_at_.capacity() +
          (touches_.capacity() + kept_touches_.capacity()) * sizeof(Touch) +
-         whole_.capacity() * sizeof(Whole) + near_.capacity() * sizeof(Near) +
+         near_.capacity() * sizeof(Near) +
          (contacts_.capacity() + kept_contacts_.capacity() + room_.capacity()) *
              sizeof(NearContact) +
          clusters_.bytes() + grip_.bytes();

@@ -7,7 +7,6 @@
 #include <cmath>
 #include <cstdint>
 #include <limits>
-#include <optional>
 #include <span>
 #include <utility>
 #include <vector>
@@ -94,11 +93,10 @@ inline void add(PressedPatch& patch, double force, double depth, const Vector3& 
 ///
 /// The samples form a tree of spheres. A node that the field shows to be clear, or below which all
 /// samples are, is skipped with everything below it, until the objects could have moved far enough
-/// to touch; so is an object that a support plane parts from the tool. Where one polynomial is the
-/// field about all samples below a node, they are clear or pressed together, by their moments. Of
-/// each object coarse levels are evaluated first, so that there is an answer when time runs out:
-/// first of those that pressed before. A coarse sample represents a patch, and only the part of the
-/// patch below the surface counts. Below the field's band the depth stays that of the band's end.
+/// to touch; so is an object that a support plane parts from the tool. Of each object coarse levels
+/// are evaluated first, so that there is an answer when time runs out: first of those that pressed
+/// before. A coarse sample represents a patch, and only the part of the patch below the surface
+/// counts. Below the field's band the depth stays that of the band's end.
 ///
 /// A tick that is told an accuracy (TickBudget::accuracy) stops at a level whose sum the next one
 /// would hardly change, object by object and cluster by cluster; between two levels both count, so
@@ -212,11 +210,6 @@ class ObjectContact {
                       static_cast<double>(of.torque) * per_torque);
     }
   };
-  /// The samples below one, all of which touch: the field about it, object's frame.
-  struct Whole {
-    std::uint32_t sample = 0, object = 0, cluster = 0;
-    LocalQuadric field;
-  };
   struct Pair {
     /// Tool's frame to the object's, in metres of the world.
     Eigen::Isometry3d pose = Eigen::Isometry3d::Identity();
@@ -299,8 +292,7 @@ class ObjectContact {
   std::vector<float> finest_until_;
   std::vector<std::int32_t> slots_;  ///< the pair of each; below 0: free
   std::vector<Active> active_, next_;
-  ClusterSums clusters_;  ///< of the level in hand
-  std::vector<Whole> whole_;
+  ClusterSums clusters_;    ///< of the level in hand
   std::vector<Near> near_;  ///< in the order of the look that listed them
   std::vector<NearContact> contacts_, kept_contacts_, room_;
   double near_reach_ = 0;  ///< m: of this look; nearer samples are in `contacts_`
@@ -340,9 +332,8 @@ class ObjectContact {
   }
   [[nodiscard]] double left_of_list(const Pair& pair, double most) const noexcept;
   [[nodiscard]] bool look_at_all(Pair& pair) noexcept;
-  [[nodiscard]] double extent(std::uint32_t sample, double length, double along) const noexcept;
-  [[nodiscard]] double extent(std::uint32_t sample, double length, double along,
-                              double across) const noexcept;
+  [[nodiscard]] double extent(std::uint32_t sample, double along) const noexcept;
+  [[nodiscard]] double extent(std::uint32_t sample, double along, double across) const noexcept;
   [[nodiscard]] double parted_by(const Pair& pair, const SupportPlane& plane,
                                  double enough) const noexcept;
   [[nodiscard]] double parted(const Pair& pair) const noexcept;
@@ -361,8 +352,6 @@ class ObjectContact {
   double touch(std::uint32_t sample, std::uint32_t object, const Active& above,
                ObjectContactReport& report) noexcept;
   void note_clear(const Active& above, double spare) noexcept;
-  [[nodiscard]] std::optional<double> settle_whole(const Active& active, const Vector3& place,
-                                                   float& until) noexcept;
   void take_plane(const Pair& pair, double way, const Vector3& place, double distance,
                   const Vector3& normal, Near& near) const noexcept;
   void note(const Pair& pair, std::uint32_t sample, const Vector3& place, double distance,
@@ -415,7 +404,6 @@ class ObjectContact {
   void look_by_levels(const TickBudget& budget, WorkClock& clock,
                       ObjectContactReport& report) noexcept;
   void press_coarse(Active& active, ObjectContactReport& report) noexcept;
-  void press_whole(const Whole& whole) noexcept;
   void press_finest(std::uint32_t sample, std::uint32_t object, std::uint32_t cluster,
                     const Vector3& place, double distance, const Vector3& normal) noexcept;
   void hold(std::uint32_t sample, std::uint32_t object, const Vector3& normal, double force,

@@ -11,8 +11,8 @@
 namespace spm {
 
 /// Adds a sample above the finest to `found` unless it, and everything below it, is clear of the
-/// object or was pressed whole. `above`: the sample above it. How far it and everything below it is
-/// from touching, m; 0 where they may touch, or be near.
+/// object. `above`: the sample above it. How far it and everything below it is from touching, m; 0
+/// where they may touch, or be near.
 double ObjectContact::look(std::uint32_t sample, std::uint32_t object, const Active& above,
                            std::vector<Active>& found, ObjectContactReport& report) noexcept {
   if (is_finest(sample)) return touch(sample, object, above, report);
@@ -40,59 +40,20 @@ double ObjectContact::look(std::uint32_t sample, std::uint32_t object, const Act
   // A field changes by at most the length of a step, so the sample above may tell enough.
   const double told = static_cast<double>(above.distance) - moved - pair.doubt;
   if (above.known() && told > radius + ahead_) return let_go(told - radius);
-  const Vector3 place = place_of(pair, sample);
   if (above.known() && moved == 0) {
     active.distance = above.distance;
     active.normal = above.normal;
   } else {
     Vector3 normal;
-    active.distance = static_cast<float>(ask(pair, place, normal, report));
+    active.distance = static_cast<float>(ask(pair, place_of(pair, sample), normal, report));
     active.normal = floats_of(normal);
   }
-  const auto distance = static_cast<double>(active.distance);
-  const double least = distance - pair.doubt;
+  const double least = static_cast<double>(active.distance) - pair.doubt;
   if (least > radius + ahead_) return let_go(least - radius);
-  if (const std::optional<double> spare = settle_whole(active, place, until)) return *spare;
-  // Before the pair has gone so far it is not clear, nor inside and pressed whole: those below it
-  // are looked at without it.
-  double idle = radius + ahead_ - least;
-  if (ahead_ == 0) idle = std::min(idle, distance - pair.lift);
+  // Before the pair has gone so far it is not clear: those below it are looked at without it.
+  const double idle = radius + ahead_ - least;
   if (idle > 0) until = -pair.after(way, idle);
   found.push_back(active);
-  return 0;
-}
-
-/// Where one polynomial is the field about all samples below one, they are clear or pressed
-/// together: how far they are from touching, m, or 0. None where they are neither.
-std::optional<double> ObjectContact::settle_whole(const Active& active, const Vector3& place,
-                                                  float& until) noexcept {
-  Pair& pair = pairs_[active.object];
-  const SamplePlace& own = tool_.places[active.sample];
-  const auto radius = static_cast<double>(own.radius);
-  const Vector3 asked = pair.scale == 1 ? place : Vector3(place / pair.scale);
-  // The cursor may be elsewhere: a sample at the place of the one above was not queried.
-  if (!active.has_normal() || !pair.cursor.is_quadric(asked, radius / pair.scale)) return {};
-  LocalQuadric field = pair.cursor.quadric(asked);
-  field.distance *= pair.scale;
-  field.bend /= pair.scale;
-  const SampleMoments& moments = tool_.moments[active.sample];
-  const double slope = field.slope.norm();
-  const double along =
-      std::abs(field.slope.dot(pair.pose.linear() * tool_.shares[active.sample].normal()));
-  const double reach = extent(active.sample, slope, along) + field.bend.norm() * radius * radius;
-  const double clear = field.distance - reach - pair.lift;
-  if (clear > (ahead_ > 0 ? ahead_ + pair.doubt : 0)) {
-    const double spare = std::max(0.0, clear - pair.doubt);
-    if (spare > 0) until = pair.after(way_of(pair, active.cluster), spare);
-    return spare_of(pair, active.cluster, spare);
-  }
-  // Each sample counts for itself where it has a bristle, a texture or a least area.
-  const bool alike = !pair.grip.on() && !(pair.lift > 0) && !(pair.least_area > 0) && ahead_ == 0;
-  const bool pressed = field.distance + reach < 0 &&
-                       field.distance - reach >= -pair.scale * pair.field->band.max_depth;
-  if (!alike || !pressed || moments.count == 0 || whole_.size() == whole_.capacity()) return {};
-  pair.spare = 0;
-  whole_.push_back({active.sample, active.object, active.cluster, field});
   return 0;
 }
 
@@ -222,7 +183,6 @@ void ObjectContact::look_at_object(std::uint32_t object, const TickBudget& budge
   const std::size_t listed = near_.size();
   active_.clear();
   next_.clear();
-  whole_.clear();
   left_ = 0;
   clock.go_on();
   for (std::uint32_t k = 0; k < coarsest.count; ++k) {
@@ -232,7 +192,7 @@ void ObjectContact::look_at_object(std::uint32_t object, const TickBudget& budge
       budget.same_levels ? pair.level : std::min(budget.finest_level, levels - 1);
   std::uint32_t level = 0;
   while (!active_.empty() && level < finest && !report.stopped) {
-    const std::size_t whole = whole_.size(), patches = patches_.size(), touches = touches_.size();
+    const std::size_t patches = patches_.size(), touches = touches_.size();
     if (refine(level + 1, budget, clock, waiting, report)) {
       ++level;
       continue;
@@ -241,7 +201,6 @@ void ObjectContact::look_at_object(std::uint32_t object, const TickBudget& budge
     // As if that level had not been begun.
     left_ = 0;
     next_.clear();
-    whole_.erase(whole_.begin() + static_cast<std::ptrdiff_t>(whole), whole_.end());
     start_over(pair, patches, touches);
     break;
   }
@@ -257,7 +216,6 @@ void ObjectContact::look_at_object(std::uint32_t object, const TickBudget& budge
 void ObjectContact::press_coarser(Pair& pair, WorkClock& clock,
                                   ObjectContactReport& report) noexcept {
   const std::span<Active> left = std::span(active_).subspan(left_);
-  for (const Whole& whole : whole_) press_whole(whole);
   if (next_.empty() && left.empty()) return;
   report.unresolved += report.stopped ? 1 : 0;
   pair.spare = 0;

@@ -7,7 +7,6 @@
 #include "common/base/across.hpp"
 #include "common/base/octahedral.hpp"
 #include "common/sixdof/object_contact.hpp"
-#include "common/sixdof/press_spread.hpp"
 #include "common/sixdof/sample_vectors.hpp"
 
 namespace spm {
@@ -97,30 +96,6 @@ void ObjectContact::press_coarse(Active& active, ObjectContactReport& report) no
   if (!pair.grip.on()) return;
   hold(active.sample, active.object, normal, spring * press.depth, spring * press.share,
        patch_of(active.object, active.cluster));
-}
-
-/// Adds the springs of all samples below one, which touch where the field is one polynomial: to the
-/// second order in their distance from it.
-void ObjectContact::press_whole(const Whole& whole) noexcept {
-  Pair& pair = pairs_[whole.object];
-  const SamplePlace& place = tool_.places[whole.sample];
-  const PatchMoments packed =
-      unpacked(tool_.moments[whole.sample], static_cast<double>(place.radius));
-  const Eigen::Matrix3d& turn = pair.pose.linear();
-  PatchMoments moments;
-  moments.middle = turn * packed.middle;
-  moments.second = turn * packed.second * turn.transpose();
-  const double spring = pair.stiffness * static_cast<double>(tool_.shares[whole.sample].area);
-  const SpreadSpring pressed{spring, whole.field, moments, turned(turn, place.position)};
-  const std::uint32_t count = tool_.moments[whole.sample].count;
-  const PressedSpread sum = press_spread(pressed, count, pair.sum);
-  PressedPatch& patch = patch_of(whole.object, whole.cluster);
-  patch.pressing += sum.pressing;
-  patch.depth = std::max(patch.depth, sum.deepest);
-  patch.springs += sum.force;
-  patch.springs_torque += sum.torque;
-  patch.moment += sum.moment;
-  patch.pressure += sum.force;
 }
 
 /// Adds the spring of a finest sample at `place` (object's frame).

@@ -163,7 +163,7 @@ double ObjectContact::above_plane(const Active& active) const noexcept {
   const double sine =
       sine_between(along.x, along.y, along.z, tool_.shares[active.sample].packed_normal);
   const double cosine = std::sqrt(std::max(0.0, 1 - sine * sine));
-  return static_cast<double>(active.distance) - extent(active.sample, 1, cosine, sine) -
+  return static_cast<double>(active.distance) - extent(active.sample, cosine, sine) -
          square_half * tool_.levels.back().spacing * sine;
 }
 
@@ -199,7 +199,7 @@ void ObjectContact::ask_of(Active& active, Pair& pair, ObjectContactReport& repo
   active.bend = static_cast<float>(pair.cursor.bend() / pair.scale);
   // The pose of a mirrored object mirrors too, and its transpose back.
   const Eigen::Matrix3d& turn = pair.pose.linear();
-  const Vector3 normal = pair.cursor.normal();
+  const Vector3& normal = pair.cursor.normal();
   const double x = normal[0], y = normal[1], z = normal[2];
   for (unsigned k = 0; k < 3; ++k) {
     active.normal[k] = static_cast<float>(turn(0, k) * x + turn(1, k) * y + turn(2, k) * z);

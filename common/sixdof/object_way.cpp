@@ -83,18 +83,17 @@ double ObjectContact::left_of_list(const Pair& pair, double most) const noexcept
   return left;
 }
 
-/// How far all below a sample are from it at most, m, along a vector of some length that has the
-/// part `along` in the direction of its normal; times that length.
-double ObjectContact::extent(std::uint32_t sample, double length, double along) const noexcept {
-  return extent(sample, length, along, std::sqrt(std::max(0.0, length * length - along * along)));
+/// How far all below a sample are from it at most, m, along a unit vector that has the part `along`
+/// in the direction of its normal.
+double ObjectContact::extent(std::uint32_t sample, double along) const noexcept {
+  return extent(sample, along, std::sqrt(std::max(0.0, 1 - along * along)));
 }
 
 /// The same where the part across the normal is known too.
-double ObjectContact::extent(std::uint32_t sample, double length, double along,
-                             double across) const noexcept {
+double ObjectContact::extent(std::uint32_t sample, double along, double across) const noexcept {
   constexpr double one = std::numeric_limits<std::uint16_t>::max();
   return static_cast<double>(tool_.places[sample].radius) *
-         std::min(length, along * tool_.moments[sample].thickness / one + across);
+         std::min(1.0, along * tool_.thicknesses[sample] / one + across);
 }
 
 /// How far all finest samples, which are squares where levels are settled, are above a support
@@ -125,8 +124,7 @@ double ObjectContact::parted_by(const Pair& pair, const SupportPlane& plane,
       if (is_finest(sample)) {
         lowest = std::min(lowest, own - tilted(tool_.shares[sample], normal, half));
         if (lowest < enough) return lowest;
-      } else if (own - extent(sample, 1, std::abs(normal.dot(tool_.shares[sample].normal()))) -
-                     half <
+      } else if (own - extent(sample, std::abs(normal.dot(tool_.shares[sample].normal()))) - half <
                  lowest - same_height) {
         if (count == waiting.size()) return 0;
         waiting[count++] = tool_.children[sample];

@@ -57,10 +57,6 @@ struct Cluster {
   double radius = 0;                 ///< to the finest samples
   double patch_radius = 0;           ///< to the patches
   double thickness = 0;              ///< of the finest samples, along the normal
-  double weight = 0;                 ///< of the finest samples; their moments about the position
-  Vector3 sum = Vector3::Zero();
-  Eigen::Matrix3d products = Eigen::Matrix3d::Zero();
-  std::uint32_t finest = 0;  ///< number of them
 };
 
 void add(Cluster& cluster, const Cluster& part) noexcept {
@@ -117,10 +113,6 @@ void take_up(Cluster& cluster, const Cluster& leaf) noexcept {
   const double length = cluster.normal.norm();
   const double along = length > 0 ? cluster.normal.dot(off) / length : off.z();
   cluster.thickness = std::max(cluster.thickness, std::abs(along));
-  cluster.weight += leaf.area;
-  cluster.sum += leaf.area * off;
-  cluster.products += leaf.area * off * off.transpose();
-  ++cluster.finest;
 }
 
 /// Propagates the extent of the finest clusters, level by level, to those above.
@@ -145,19 +137,13 @@ float rounded_up(double value, double size) noexcept {
   return value > 0 ? static_cast<float>(value * (1 + 1e-6) + 1e-6 * size) : 0;
 }
 
-SampleMoments moments_of(const Cluster& cluster, double radius) noexcept {
-  SampleMoments moments;
-  if (cluster.finest <= std::numeric_limits<std::uint16_t>::max()) {
-    moments.count = static_cast<std::uint16_t>(cluster.finest);
-  }
-  if (!(radius > 0)) return moments;
-  pack({cluster.sum / cluster.weight, cluster.products / cluster.weight}, radius, moments);
+std::uint16_t packed_thickness(const Cluster& cluster, double radius) noexcept {
+  if (!(radius > 0)) return 0;
   // What the packing of the normal turns it by is allowed for.
   constexpr double packed_sine = 1e-4;
   constexpr double most = std::numeric_limits<std::uint16_t>::max();
-  moments.thickness = static_cast<std::uint16_t>(
+  return static_cast<std::uint16_t>(
       std::min(most, std::ceil(most * (cluster.thickness / radius + packed_sine))));
-  return moments;
 }
 
 void emit(SurfaceSamples& samples, const Cluster& cluster, const Vector3& origin, double size,
@@ -175,7 +161,8 @@ void emit(SurfaceSamples& samples, const Cluster& cluster, const Vector3& origin
       {floats_of(middle - cluster.position), static_cast<float>(std::sqrt(1.5 * variance))});
   if (is_finest) return;
   samples.children.emplace_back();
-  samples.moments.push_back(moments_of(cluster, static_cast<double>(samples.places.back().radius)));
+  samples.thicknesses.push_back(
+      packed_thickness(cluster, static_cast<double>(samples.places.back().radius)));
 }
 
 /// Writes the levels breadth first. The child that shares a sample's position comes first.
@@ -264,37 +251,7 @@ std::vector<Cluster> finest_level(const std::vector<SurfacePatch>& patches, cons
   return level;
 }
 
-constexpr double packed_one = std::numeric_limits<std::int16_t>::max();
-constexpr std::array<std::pair<int, int>, 6> products{
-    {{0, 0}, {1, 1}, {2, 2}, {0, 1}, {0, 2}, {1, 2}}};
-
 }  // namespace
-
-PatchMoments unpacked(const SampleMoments& moments, double radius) noexcept {
-  PatchMoments made;
-  const double a_step = radius / packed_one, a_product = radius * a_step;
-  for (int axis = 0; axis < 3; ++axis) {
-    made.middle[axis] = a_step * moments.middle[static_cast<std::size_t>(axis)];
-  }
-  for (std::size_t k = 0; k < products.size(); ++k) {
-    const auto [row, column] = products[k];
-    made.second(row, column) = made.second(column, row) = a_product * moments.second[k];
-  }
-  return made;
-}
-
-void pack(const PatchMoments& moments, double radius, SampleMoments& packed) noexcept {
-  const auto part = [](double share) {
-    return static_cast<std::int16_t>(std::lround(packed_one * std::clamp(share, -1.0, 1.0)));
-  };
-  for (int axis = 0; axis < 3; ++axis) {
-    packed.middle[static_cast<std::size_t>(axis)] = part(moments.middle[axis] / radius);
-  }
-  for (std::size_t k = 0; k < products.size(); ++k) {
-    const auto [row, column] = products[k];
-    packed.second[k] = part(moments.second(row, column) / (radius * radius));
-  }
-}
 
 Result<SurfaceSamples> sample_surface(const AssetView& asset, double spacing) {
   return SurfaceSampler(asset).sample(spacing);
@@ -336,7 +293,7 @@ Result<SurfaceSamples> SurfaceSampler::sample(double spacing) {
   samples.shares.shrink_to_fit();
   samples.spreads.shrink_to_fit();
   samples.children.shrink_to_fit();
-  samples.moments.shrink_to_fit();
+  samples.thicknesses.shrink_to_fit();
   return samples;
 }
 

@@ -33,25 +33,6 @@ struct SampleSpread {
   float spread = 0;
 };
 
-/// Where the finest samples below a sample lie about its position, weighted by their areas; in
-/// parts of its radius.
-struct SampleMoments {
-  std::array<std::int16_t, 3> middle{};  ///< mean, of 32767
-  std::uint16_t thickness =
-      0;  ///< largest distance along the sample's normal, of 65535, rounded up
-  std::array<std::int16_t, 6> second{};  ///< mean of the products xx, yy, zz, xy, xz, yz, of 32767
-  std::uint16_t count = 0;               ///< of them; 0: too many for this number
-};
-
-/// The moments of a patch in metres, in some frame.
-struct PatchMoments {
-  Vector3 middle = Vector3::Zero();
-  Eigen::Matrix3d second = Eigen::Matrix3d::Zero();
-};
-[[nodiscard]] PatchMoments unpacked(const SampleMoments& moments, double radius) noexcept;
-/// `radius` above 0, and not less than any distance that the moments are of.
-void pack(const PatchMoments& moments, double radius, SampleMoments& packed) noexcept;
-
 /// The children of a sample in the tree: `first` to `first + count - 1`, the first of which has the
 /// same position; none for the finest.
 struct SampleChildren {
@@ -76,7 +57,9 @@ struct SurfaceSamples {
   /// Those of the finest come last; contact alone does not need them.
   std::vector<SampleSpread> spreads;
   std::vector<SampleChildren> children;  ///< of those above the finest
-  std::vector<SampleMoments> moments;    ///< of the same
+  /// Of the same: the largest distance of the finest samples below it along its normal, in parts of
+  /// its radius, of 65535, rounded up.
+  std::vector<std::uint16_t> thicknesses;
   std::vector<SampleLevel> levels;
   double area = 0;                   ///< m2
   Vector3 centre = Vector3::Zero();  ///< of a ball around all samples, m
@@ -93,7 +76,8 @@ struct SurfaceSamples {
     return places.capacity() * sizeof(SamplePlace) + shares.capacity() * sizeof(SampleShare) +
            spreads.capacity() * sizeof(SampleSpread) +
            children.capacity() * sizeof(SampleChildren) +
-           moments.capacity() * sizeof(SampleMoments) + levels.capacity() * sizeof(SampleLevel);
+           thicknesses.capacity() * sizeof(thicknesses[0]) +
+           levels.capacity() * sizeof(SampleLevel);
   }
 };
 

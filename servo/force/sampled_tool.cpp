@@ -104,12 +104,6 @@ void place(SurfaceSamples& samples, const Placement& placement) {
       (placement.position + scale * (rotation * samples.centre)).norm() + scale * samples.radius;
   // Places are rounded to floats anew.
   const double rounding = 1e-6 * reach;
-  for (std::size_t i = 0; i < samples.moments.size(); ++i) {
-    PatchMoments turned = unpacked(samples.moments[i], 1);
-    turned.middle = rotation * turned.middle;
-    turned.second = rotation * turned.second * rotation.transpose();
-    pack(turned, 1, samples.moments[i]);
-  }
   for (SamplePlace& place : samples.places) {
     place.position = floats_of(placement.position + scale * (rotation * vector_of(place.position)));
     if (place.radius > 0) {

@@ -5,7 +5,6 @@
 #include <catch2/catch.hpp>
 #include <vector>
 
-#include "common/sixdof/press_spread.hpp"
 #include "tests/support/random.hpp"
 
 namespace spm::contact_step_test {
@@ -115,55 +114,6 @@ TEST_CASE("What touches before a step is the sum of its springs") {
   CHECK(sum.wrench[5] == Approx(-0.1));
   CHECK(sum.energy == Approx(1e-4));
   CHECK(sum.stiffness(0, 5) == Approx(-5000));
-}
-
-TEST_CASE("Springs that are spread in one polynomial sum up to each by itself") {
-  RandomTwister random(5);
-  LocalQuadric field;
-  field.distance = -4e-4;
-  field.slope = Vector3(0.1, -0.2, 0.97);
-  field.bend = Eigen::Matrix3d(Vector3(40, -25, 10).asDiagonal());
-  field.normal = field.slope.normalized();
-  constexpr int count = 40;
-  constexpr double spring = 3;
-  std::vector<Vector3> places;
-  PatchMoments moments;
-  for (int k = 0; k < count; ++k) {
-    places.push_back(random.vector(2e-4));
-    moments.middle += places.back() / count;
-    moments.second += places.back() * places.back().transpose() / count;
-  }
-  const Vector3 arm(0.01, 0.02, -0.005);
-  ContactSum spread, each;
-  const PressedSpread told = press_spread({count * spring, field, moments, arm}, count, spread);
-  for (const Vector3& place : places) {
-    const double depth = -(field.distance + field.slope.dot(place) + place.dot(field.bend * place));
-    const Vector3 normal = (field.slope + 2 * field.bend * place).normalized();
-    each.add(spring, depth, depth * depth, 1, normal, arm + place);
-  }
-  CHECK(spread.contacts == each.contacts);
-  CHECK((spread.wrench - each.wrench).head<3>().norm() < 2e-3 * each.wrench.head<3>().norm());
-  CHECK((spread.wrench - each.wrench).tail<3>().norm() < 2e-3 * each.wrench.tail<3>().norm());
-  CHECK(spread.energy == Approx(each.energy).epsilon(5e-3));
-  CHECK(spread.deepest == Approx(each.deepest).epsilon(0.2));
-  CHECK((told.force - spread.wrench.head<3>()).norm() < 1e-12);
-  const Matrix6 whole = each.stiffness.selfadjointView<Eigen::Lower>();
-  const Matrix6 spread_whole = spread.stiffness.selfadjointView<Eigen::Lower>();
-  CHECK((spread_whole - whole).norm() < 2e-2 * whole.norm());
-}
-
-TEST_CASE("The deepest of springs that are spread evenly along a slope is that of its end") {
-  constexpr double wide = 1e-3;  // m, to each side
-  LocalQuadric field;
-  field.distance = -4e-4;
-  field.slope = {0.3, 0, std::sqrt(1 - 0.09)};
-  field.normal = field.slope;
-  PatchMoments moments;
-  moments.second(0, 0) = wide * wide / 3;
-  ContactSum sum;
-  const PressedSpread told = press_spread({1, field, moments, Vector3::Zero()}, 10, sum);
-  CHECK(told.deepest == Approx(4e-4 + 0.3 * wide));
-  CHECK(sum.deepest == told.deepest);
 }
 
 }  // namespace
