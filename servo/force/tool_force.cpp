@@ -384,8 +384,9 @@ ContactForce ToolForce::next(const HandPose& hand, std::span<ToolObject> objects
       capped(back * felt.wrench.force, coupling_.force_cap, tick_.capped),
       capped(back * felt.wrench.torque / scale_, coupling_.torque_cap, tick_.capped)};
   const Wrench sent = stabilizer_.apply(capped_wrench, wanted.contact, hand, energy, ticks);
-  wanted.force = sent.force;
-  wanted.torque = sent.torque;
+  // Braking a hand that turns half around in a tick may take more than the device may give.
+  wanted.force = capped(sent.force, coupling_.force_cap, tick_.capped);
+  wanted.torque = capped(sent.torque, coupling_.torque_cap, tick_.capped);
   return wanted;
 }
 
