@@ -7,8 +7,9 @@ import math
 import struct
 
 MAP, SPLIT = 5, 8
-WORDS = 8  # of a distance map
+WORDS = 6  # of a distance map
 LARGER, EDGE, NUMBER = 1 << 31, 1 << 15, (1 << 15) - 1
+OFFSET, SLOPES = 1 << 31, 16384
 
 
 def dot(a, b):
@@ -79,8 +80,8 @@ class Reader:
             within = [x - int(x) for x in within]
             kinds = [word >> 4 * k & 15 for k in range(8)]
             kind = kinds[octant]
-            # Two top bits of a kind: how many words, 4 of the largest.
-            at = first + sum((k >> 2) + (k >> 2 == 3) for k in kinds[:octant])
+            # Two top bits of a kind: how many words.
+            at = first + sum(k >> 2 for k in kinds[:octant])
         return kind, at
 
     def on_map(self, number, place, tell=None):
@@ -89,14 +90,15 @@ class Reader:
         tell = tell or (lambda name, value: None)
         words = self.maps[WORDS * number:WORDS * (number + 1)]
         plane = self.planes[words[0] & 0xFFFF]
-        spacing = self.atlas["spacing"] / 2 ** (words[0] >> 16)
-        column0, row0 = ((x ^ LARGER) - LARGER for x in words[1:3])
+        spacing = self.atlas["spacing"] / 2 ** (words[0] >> 16 & 0xFF)
+        packed = struct.pack("<6I", *words)
+        column0, row0 = struct.unpack_from("<2h", packed, 4)
         x0, u, v, n = (plane[key] for key in ("x0", "u", "v", "n"))
-        offset = [a - b for a, b in zip(place, x0)]
-        eta, omega, s_sp = dot(u, offset), dot(v, offset), -dot(n, offset)
+        way = [a - b for a, b in zip(place, x0)]
+        eta, omega, s_sp = dot(u, way), dot(v, way), -dot(n, way)
         column, row = eta / spacing - column0, omega / spacing - row0
         i, j = int(column + 0.5), int(row + 0.5)
-        first = words[4] + (j - 1) * self.atlas["width"] + i - 1
+        first = words[3] + (j - 1) * self.atlas["width"] + i - 1
         rows = [first + k * self.atlas["width"] for k in range(3)]
         window = [self.heights[start:start + 3] for start in rows]
 
@@ -109,7 +111,8 @@ class Reader:
         def spline(across, along):
             return sum(along[k] * dot(window[k], across) for k in range(3))
 
-        base, base_by_eta, base_by_omega = struct.unpack("<3f", struct.pack("<3I", *words[5:8]))
+        base, by_eta, by_omega = struct.unpack_from("<f2h", packed, 16)
+        base_by_eta, base_by_omega = by_eta / SLOPES, by_omega / SLOPES
         below_base = spline(weights(column - i), weights(row - j))
         d_sp = base + base_by_eta * eta + base_by_omega * omega + below_base
         by_eta = base_by_eta + spline(slopes(column - i), weights(row - j)) / spacing
@@ -128,8 +131,13 @@ class Reader:
         tell("D_SP's slopes", (by_eta, by_omega))
         tell("n_S (eq. 5)", normal)
         tell("|n_S|", (length,))
-        tell("d = -(eq. 3) / |n_S|, m", ((d_sp - s_sp) / length,))
-        return (d_sp - s_sp) / length, [x / length for x in normal]
+        distance = (d_sp - s_sp) / length
+        tell("d = -(eq. 3) / |n_S|, m", (distance,))
+        if words[0] & OFFSET:
+            offset, = struct.unpack("<f", struct.pack("<f", self.atlas["offset"]))
+            distance += offset
+            tell("the map is of the offset surface: d and its offset, m", (distance,))
+        return distance, [x / length for x in normal]
 
     def answer(self, place, tell=None):
         """None where no distance map answers."""

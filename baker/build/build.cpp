@@ -412,20 +412,16 @@ void add_answers(const AssetView& view, Json& json) {
   const SharesOfPlaces shares = shares_of_places(view);
   for (const auto& [name, of] :
        {std::pair{"answers", &shares.surface}, {"answers_in_band", &shares.band}}) {
-    json[name] = {{"one_map", of->one_map},
-                  {"two_maps", of->two_maps},
-                  {"polynomials", of->polynomials},
-                  {"triangles", of->triangles}};
+    json[name] = {
+        {"one_map", of->one_map}, {"two_maps", of->two_maps}, {"triangles", of->triangles}};
   }
 }
 
 std::string answers_text(const Json& json) {
   const auto text_of = [&json](const char* name, const char* of) {
     const auto percent = [&](const char* what) { return 100 * json[name][what].get<double>(); };
-    return fmt::format(
-        "{:.1f} % {} by one distance map, {:.1f} % by two, {:.1f} % by polynomials, "
-        "{:.1f} % by triangles",
-        percent("one_map"), of, percent("two_maps"), percent("polynomials"), percent("triangles"));
+    return fmt::format("{:.1f} % {} by one distance map, {:.1f} % by two, {:.1f} % by triangles",
+                       percent("one_map"), of, percent("two_maps"), percent("triangles"));
   };
   return text_of("answers", "of the surface") + "\n         " +
          text_of("answers_in_band", "of the band");

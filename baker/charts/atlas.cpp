@@ -159,8 +159,8 @@ Layout arrange(const std::vector<Shape>& shapes) {
 }  // namespace
 
 void Atlas::need(const ChartAtLevel& chart, const Vector3& middle, double half) {
-  const HeightRange range = ChartField(heights_, chart.chart, chart.level).range_over(middle, half);
-  const HeightGrid& grid = heights_.of(chart.chart, chart.level);
+  const HeightRange range = ChartField(heights_, chart).range_over(middle, half);
+  const HeightGrid& grid = heights_.of(chart);
   const auto [found, fresh] = needed_.try_emplace(chart);
   Needed& needed = found->second;
   if (fresh) {
@@ -177,7 +177,7 @@ void Atlas::need(const ChartAtLevel& chart, const Vector3& middle, double half) 
 }
 
 std::uint32_t Atlas::number(const ChartAtLevel& chart, const Vector3& middle, double half) const {
-  const HeightRange range = ChartField(heights_, chart.chart, chart.level).range_over(middle, half);
+  const HeightRange range = ChartField(heights_, chart).range_over(middle, half);
   const Needed& needed = needed_.at(chart);
   return needed.first +
          needed.parts[static_cast<std::size_t>(range.row_from)]
@@ -223,19 +223,20 @@ std::uint32_t Atlas::find_parts(Needed& needed) {
   return parts - 1;
 }
 
-AtlasData Atlas::lay_out(std::uint32_t first_plane, std::vector<SupportPlane>& planes) {
+AtlasData Atlas::lay_out(std::vector<SupportPlane>& planes) {
   AtlasData atlas;
   atlas.spacing = heights_.spacing(0);
   atlas.halves = heights_.halves();
+  atlas.offset = heights_.offset({.offset = true});
   std::map<std::uint32_t, std::uint32_t> rows_of_planes;
   std::vector<Shape> shapes;
   std::vector<HeightRange> boxes;
   for (auto& [at, needed] : needed_) {
     const PlaneChart& known = heights_.charts().charts()[at.chart];
-    const auto [plane, fresh] = rows_of_planes.try_emplace(
-        known.plane, first_plane + static_cast<std::uint32_t>(planes.size()));
+    const auto [plane, fresh] =
+        rows_of_planes.try_emplace(known.plane, static_cast<std::uint32_t>(planes.size()));
     if (fresh) planes.push_back(heights_.planes()[known.plane]);
-    const HeightGrid& grid = heights_.of(at.chart, at.level);
+    const HeightGrid& grid = heights_.of(at);
     needed.first = static_cast<std::uint32_t>(shapes.size());
     const std::uint32_t parts = find_parts(needed);
     boxes.resize(boxes.size() + parts);
@@ -251,6 +252,7 @@ AtlasData Atlas::lay_out(std::uint32_t first_plane, std::vector<SupportPlane>& p
       ChartData& data = atlas.charts.emplace_back();
       data.plane = plane->second;
       data.level = at.level;
+      data.offset = at.offset;
       data.base = grid.base;
       data.column0 = grid.column0 + static_cast<std::int32_t>(box.column_from);
       data.row0 = grid.row0 + static_cast<std::int32_t>(box.row_from);
@@ -274,7 +276,7 @@ AtlasData Atlas::lay_out(std::uint32_t first_plane, std::vector<SupportPlane>& p
   atlas.width = layout.width;
   atlas.heights.assign(std::size_t{layout.width} * layout.height, 0);
   for (const auto& [at, needed] : needed_) {
-    const HeightGrid& grid = heights_.of(at.chart, at.level);
+    const HeightGrid& grid = heights_.of(at);
     for (std::int64_t row = needed.box.row_from; row <= needed.box.row_to; ++row) {
       for (std::int64_t column = needed.box.column_from; column <= needed.box.column_to; ++column) {
         const std::uint32_t part =

@@ -12,14 +12,6 @@
 
 namespace spm::baker {
 
-/// A chart at one of its spacings.
-struct ChartAtLevel {
-  std::uint32_t chart = 0, level = 0;
-  [[nodiscard]] bool operator<(const ChartAtLevel& other) const noexcept {
-    return chart != other.chart ? chart < other.chart : level < other.level;
-  }
-};
-
 /// Gathers which heights of which charts are needed, and lays these out in one picture, each chart
 /// in its own shape, so that no height is there twice and few places are empty.
 class Atlas {
@@ -28,9 +20,8 @@ class Atlas {
 
   /// Asks for the heights that answer in a cube.
   void need(const ChartAtLevel& chart, const Vector3& middle, double half);
-  /// The picture and its charts, ascending. Adds their planes; `first_plane` is the row that the
-  /// first of these gets.
-  [[nodiscard]] AtlasData lay_out(std::uint32_t first_plane, std::vector<SupportPlane>& planes);
+  /// The picture and its charts, ascending, and their planes.
+  [[nodiscard]] AtlasData lay_out(std::vector<SupportPlane>& planes);
   /// The number of the chart in the picture from which a cube is answered that asked for it, once
   /// that is laid out.
   [[nodiscard]] std::uint32_t number(const ChartAtLevel& chart, const Vector3& middle,

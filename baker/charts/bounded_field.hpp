@@ -31,7 +31,7 @@ struct Quadratic {
 struct FieldBound {
   Quadratic near;
   double off = 0;
-  Vector3 normal = Vector3::Zero();  ///< of length 1: n_S in the middle; 0 of polynomials
+  Vector3 normal = Vector3::Zero();  ///< of length 1: n_S in the middle
   double turn = 0;                   ///< n_S of length 1 is no farther from it in all the cube
 };
 

@@ -66,9 +66,10 @@ std::array<double, 3> slopes(const std::array<std::array<double, 3>, 3>& h, doub
 
 }  // namespace
 
-ChartField::ChartField(const ChartHeights& heights, std::uint32_t chart, std::uint32_t level)
-    : plane_(heights.planes()[heights.charts().charts()[chart].plane]),
-      grid_(heights.of(chart, level)),
+ChartField::ChartField(const ChartHeights& heights, const ChartAtLevel& map)
+    : plane_(heights.plane(map.chart)),
+      grid_(heights.of(map)),
+      offset_(heights.offset(map)),
       per_(1 / grid_.spacing),
       across_{plane_.u.lpNorm<1>(), plane_.v.lpNorm<1>(), plane_.n.lpNorm<1>()} {}
 
@@ -129,7 +130,7 @@ double ChartField::at(const Vector3& place, Vector3& normal) const {
   const double eta = spline.by_x * per_ + static_cast<double>(grid_.base.by_eta);
   const double omega = spline.by_y * per_ + static_cast<double>(grid_.base.by_omega);
   normal = plane_.n + eta * plane_.u + omega * plane_.v;
-  return (spline.value - at.depth) / std::sqrt(1 + eta * eta + omega * omega);
+  return offset_ + (spline.value - at.depth) / std::sqrt(1 + eta * eta + omega * omega);
 }
 
 // With F = D_SP - S_SP and w = 1 / |n_S| the field is w F. D_SP is quadratic within the lattice's
@@ -212,7 +213,7 @@ FieldBound ChartField::about(const Vector3& middle, double half) const {
   bend.topRightCorner<2, 1>() = -0.5 * w1;
   bend.bottomLeftCorner<1, 2>() = -0.5 * w1.transpose();
   bound.near.middle = middle;
-  bound.near.value = w * field;
+  bound.near.value = offset_ + w * field;
   bound.near.gradient =
       axes.transpose() * Vector3(w * slope[0] + w1[0] * field, w * slope[1] + w1[1] * field, -w);
   bound.near.bend = axes.transpose() * bend * axes;

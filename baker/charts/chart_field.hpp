@@ -33,7 +33,7 @@ struct HeightRange {
 /// The signed distance that a chart tells (contact_on over the length of n_S), and bounds of it.
 class ChartField : public BoundedField {
  public:
-  ChartField(const ChartHeights& heights, std::uint32_t chart, std::uint32_t level);
+  ChartField(const ChartHeights& heights, const ChartAtLevel& map);
 
   /// Whether all heights are there from which places of a cube are answered.
   [[nodiscard]] bool covers(const Vector3& middle, double half) const;
@@ -47,6 +47,7 @@ class ChartField : public BoundedField {
  private:
   const SupportPlane& plane_;
   const HeightGrid& grid_;
+  double offset_;                 ///< m, of what the chart is of
   double per_;                    ///< 1/m, of the spacing
   std::array<double, 3> across_;  ///< of half a cube's edge, its box along u, v and n
 

@@ -7,15 +7,13 @@
 #include <cmath>
 #include <limits>
 
+#include "baker/charts/chart_hits.hpp"
 #include "common/base/half.hpp"
 
 namespace spm::baker {
 
 namespace {
 
-constexpr float missing = std::numeric_limits<float>::quiet_NaN();
-/// Two hits of one ray are one where they differ by less than this share of the spacing.
-constexpr double same_hit = 0.02;
 /// Hits on each side of a height, at half the spacing: one spacing, and where few are there two, or
 /// four.
 constexpr int near_hits = 2, far_hits = 4, last_hits = 8;
@@ -23,7 +21,6 @@ constexpr std::size_t near_side = 2 * near_hits + 1;
 constexpr int unknowns = 6;
 /// Weight with which bending is drawn to 0 where hits do not tell it, near and far from them.
 constexpr double ridge = 1e-3, last_ridge = 1;
-constexpr std::uint32_t max_hits = 1U << 26U;
 
 using Row = Eigen::Matrix<double, 1, unknowns>;
 using Square = Eigen::Matrix<double, unknowns, unknowns>;
@@ -61,121 +58,6 @@ std::array<double, near_side * near_side> whole_filter() {
   return filter;
 }
 
-/// A chart's box on its plane, in steps.
-struct ChartBox {
-  std::array<double, 2> low{}, high{};
-};
-
-ChartBox box_of(const OuterSurface& surface, const SupportPlane& plane, const PlaneChart& chart,
-                double step) {
-  constexpr double far = std::numeric_limits<double>::infinity();
-  ChartBox box{{far, far}, {-far, -far}};
-  for (const std::uint32_t t : chart.triangles) {
-    for (const std::uint32_t v : surface.triangles[t]) {
-      const PlaneCoordinates at = project_on_plane(plane, surface.vertices[v]);
-      const std::array<double, 2> place{at.eta / step, at.omega / step};
-      for (std::size_t k = 0; k < 2; ++k) {
-        box.low[k] = std::min(box.low[k], place[k]);
-        box.high[k] = std::max(box.high[k], place[k]);
-      }
-    }
-  }
-  return box;
-}
-
-/// Where rays along a plane's normal meet a chart: depths below the plane, m.
-class Hits {
- public:
-  Hits(const OuterSurface& surface, const SupportPlane& plane, const PlaneChart& chart, double step)
-      : surface_(surface), plane_(plane), step_(step) {
-    const auto [low, high] = box_of(surface, plane, chart, step);
-    // From an even one on, which a height lies at.
-    const auto start = [](double x) { return 2 * static_cast<std::int32_t>(std::floor(x / 2)); };
-    column0 = start(low[0]);
-    row0 = start(low[1]);
-    columns = static_cast<std::uint32_t>(std::ceil(high[0]) - column0) + 1;
-    rows = static_cast<std::uint32_t>(std::ceil(high[1]) - row0) + 1;
-    if (std::uint64_t{columns} * rows > max_hits) {
-      columns = rows = 0;
-      return;
-    }
-    depths_.assign(std::size_t{columns} * rows, missing);
-    for (const std::uint32_t t : chart.triangles) add(surface.triangles[t]);
-    for (float& depth : depths_) {
-      if (std::isinf(depth)) depth = missing;
-      if (std::isnan(depth)) continue;
-      least = std::min(least, static_cast<double>(depth));
-      most = std::max(most, static_cast<double>(depth));
-    }
-  }
-
-  std::int32_t column0 = 0, row0 = 0;
-  std::uint32_t columns = 0, rows = 0;
-  double least = std::numeric_limits<double>::infinity(), most = -least;  ///< of all, m
-
-  /// NaN where there is none, or more than one.
-  [[nodiscard]] float at(std::int64_t column, std::int64_t row) const {
-    if (column < 0 || row < 0 || column >= columns || row >= rows) return missing;
-    return depths_[static_cast<std::size_t>(row) * columns + static_cast<std::size_t>(column)];
-  }
-
- private:
-  const OuterSurface& surface_;
-  const SupportPlane& plane_;
-  double step_;
-  std::vector<float> depths_;
-
-  void add(const Triangle& triangle) {
-    constexpr double slack = 1e-9;
-    std::array<std::array<double, 3>, 3> at{};  // column, row, depth
-    for (std::size_t k = 0; k < 3; ++k) {
-      const PlaneCoordinates place = project_on_plane(plane_, surface_.vertices[triangle[k]]);
-      at[k] = {place.eta / step_ - column0, place.omega / step_ - row0, place.depth};
-    }
-    const double x1 = at[1][0] - at[0][0], y1 = at[1][1] - at[0][1], z1 = at[1][2] - at[0][2];
-    const double x2 = at[2][0] - at[0][0], y2 = at[2][1] - at[0][1], z2 = at[2][2] - at[0][2];
-    const double twice = x1 * y2 - x2 * y1;
-    if (!(std::abs(twice) > 1e-12)) return;
-    const double by_x = (z1 * y2 - z2 * y1) / twice, by_y = (x1 * z2 - x2 * z1) / twice;
-    const auto [low, high] = std::minmax({at[0][1], at[1][1], at[2][1]});
-    const auto from = static_cast<std::int64_t>(std::ceil(low - slack));
-    const auto to = static_cast<std::int64_t>(std::floor(high + slack));
-    for (std::int64_t row = std::max<std::int64_t>(from, 0);
-         row <= std::min<std::int64_t>(to, std::int64_t{rows} - 1); ++row) {
-      const auto y = static_cast<double>(row);
-      double left = std::numeric_limits<double>::infinity(), right = -left;
-      for (std::size_t k = 0; k < 3; ++k) {
-        const auto &a = at[k], &b = at[(k + 1) % 3];
-        if (std::max(a[1], b[1]) < y - slack || std::min(a[1], b[1]) > y + slack) continue;
-        const double rise = b[1] - a[1];
-        if (std::abs(rise) < slack) {
-          left = std::min({left, a[0], b[0]});
-          right = std::max({right, a[0], b[0]});
-          continue;
-        }
-        const double share = std::clamp((y - a[1]) / rise, 0.0, 1.0);
-        const double x = a[0] + share * (b[0] - a[0]);
-        left = std::min(left, x);
-        right = std::max(right, x);
-      }
-      const auto first = static_cast<std::int64_t>(std::ceil(left - slack));
-      const auto last = static_cast<std::int64_t>(std::floor(right + slack));
-      for (std::int64_t column = std::max<std::int64_t>(first, 0);
-           column <= std::min<std::int64_t>(last, std::int64_t{columns} - 1); ++column) {
-        const double depth =
-            at[0][2] + by_x * (static_cast<double>(column) - at[0][0]) + by_y * (y - at[0][1]);
-        float& known =
-            depths_[static_cast<std::size_t>(row) * columns + static_cast<std::size_t>(column)];
-        if (std::isnan(known)) {
-          known = static_cast<float>(depth);
-        } else if (!(std::abs(static_cast<double>(known) - depth) < same_hit * step_)) {
-          known = std::numeric_limits<float>::infinity();
-        }
-      }
-    }
-  }
-};
-
 /// Whether hits lie in more than one line, so that they tell both slopes: by the sums of their
 /// terms.
 bool is_wide(const Square& sums) {
@@ -189,7 +71,7 @@ bool is_wide(const Square& sums) {
 /// Makes heights of hits.
 class Filter {
  public:
-  explicit Filter(const Hits& hits) : hits_(hits) {}
+  explicit Filter(const ChartHits& hits) : hits_(hits) {}
 
   /// The coefficient at a hit's place; NaN where too few hits are around it.
   [[nodiscard]] double at(std::int64_t column, std::int64_t row) const {
@@ -211,7 +93,7 @@ class Filter {
   }
 
  private:
-  const Hits& hits_;
+  const ChartHits& hits_;
   inline static const std::array<double, near_side* near_side> filter_ = whole_filter();
 
   [[nodiscard]] double fitted(std::int64_t column, std::int64_t row, int reach,
@@ -255,8 +137,12 @@ ChartBase base_of(const HeightGrid& grid, const std::vector<double>& heights) {
   if (!(normal(0, 0) > 0)) return {};
   for (int k = 1; k < 3; ++k) normal(k, k) += 1e-9 * normal(0, 0);
   const Vector3 solved = normal.ldlt().solve(right);
-  ChartBase base{0, static_cast<float>(solved[1] / grid.spacing),
-                 static_cast<float>(solved[2] / grid.spacing)};
+  const auto slope = [&grid](double by_steps) {
+    constexpr float most = max_base_slope - base_slope_unit;
+    const auto stored = static_cast<float>(by_steps / grid.spacing);
+    return std::clamp(base_slope_unit * std::round(stored / base_slope_unit), -most, most);
+  };
+  ChartBase base{0, slope(solved[1]), slope(solved[2])};
   double least = std::numeric_limits<double>::infinity();
   visit([&](double eta, double omega, double height) {
     least = std::min(least, height - base.at(eta, omega));
@@ -279,49 +165,24 @@ void store(const std::vector<double>& heights, bool halves, HeightGrid& grid) {
     if (!halves) {
       grid.heights.push_back(height);
     } else {
-      grid.heights.push_back(height <= largest_half ? float_of_half(half_of(height)) : missing);
+      grid.heights.push_back(height <= largest_half ? float_of_half(half_of(height))
+                                                    : std::numeric_limits<float>::quiet_NaN());
     }
   }
-}
-
-HeightGrid make_grid(const OuterSurface& surface, const SupportPlane& plane,
-                     const PlaneChart& chart, double spacing, bool halves) {
-  const Hits hits(surface, plane, chart, spacing / 2);
-  HeightGrid grid;
-  grid.spacing = spacing;
-  if (hits.columns == 0) return grid;
-  constexpr std::int32_t border = last_hits / 2;
-  grid.column0 = hits.column0 / 2 - border;
-  grid.row0 = hits.row0 / 2 - border;
-  grid.columns = hits.columns / 2 + 1 + 2 * border;
-  grid.rows = hits.rows / 2 + 1 + 2 * border;
-  std::vector<double> heights;
-  heights.reserve(std::size_t{grid.columns} * grid.rows);
-  // Past the border heights are no farther from those of the hits than planes may be inclined.
-  const double around = last_hits * spacing;
-  const double low = hits.least - around, high = hits.most + around;
-  const Filter filter(hits);
-  for (std::int64_t row = 0; row < grid.rows; ++row) {
-    for (std::int64_t column = 0; column < grid.columns; ++column) {
-      const double height = filter.at(2 * (column - border), 2 * (row - border));
-      heights.push_back(height > low && height < high ? height
-                                                      : std::numeric_limits<double>::quiet_NaN());
-    }
-  }
-  store(heights, halves, grid);
-  return grid;
 }
 
 }  // namespace
 
-ChartHeights::ChartHeights(const OuterSurface& surface, std::span<const SupportPlane> planes,
-                           const PlaneCharts& charts, const MapSampling& sampling)
-    : surface_(surface),
+ChartHeights::ChartHeights(const Caster& caster, const OuterSurface& surface,
+                           std::span<const SupportPlane> planes, const PlaneCharts& charts,
+                           const MapSampling& sampling)
+    : caster_(caster),
+      surface_(surface),
       planes_(planes),
       charts_(charts),
       sampling_(sampling),
       flat_(charts.charts().size()),
-      slots_(std::make_unique<Slot[]>(charts.charts().size() * sampling.levels)) {
+      slots_(std::make_unique<Slot[]>(2 * charts.charts().size() * sampling.levels)) {
   for (std::size_t i = 0; i < flat_.size(); ++i) flat_[i] = flat_of(charts.charts()[i]);
 }
 
@@ -350,13 +211,13 @@ ChartHeights::FlatChart ChartHeights::flat_of(const PlaneChart& chart) const {
           normal.dot(plane.v) / facing};
 }
 
-HeightGrid ChartHeights::flat_grid(std::uint32_t chart, double spacing) const {
+HeightGrid ChartHeights::flat_grid(const ChartAtLevel& map) const {
   constexpr std::int32_t border = 3;
-  const PlaneChart& known = charts_.charts()[chart];
-  const FlatChart& flat = flat_[chart];
-  const auto [low, high] = box_of(surface_, planes_[known.plane], known, spacing);
+  const FlatChart& flat = flat_[map.chart];
   HeightGrid grid;
-  grid.spacing = spacing;
+  grid.spacing = spacing(map.level);
+  const auto [low, high] =
+      box_of(surface_, plane(map.chart), charts_.charts()[map.chart], grid.spacing);
   grid.column0 = static_cast<std::int32_t>(std::floor(low[0])) - border;
   grid.row0 = static_cast<std::int32_t>(std::floor(low[1])) - border;
   grid.columns = static_cast<std::uint32_t>(std::ceil(high[0]) - grid.column0 + border + 1);
@@ -373,13 +234,39 @@ HeightGrid ChartHeights::flat_grid(std::uint32_t chart, double spacing) const {
   return grid;
 }
 
-const HeightGrid& ChartHeights::of(std::uint32_t chart, std::uint32_t level) const {
-  Slot& slot = slots_[std::size_t{chart} * sampling_.levels + level];
+HeightGrid ChartHeights::curved_grid(const ChartAtLevel& map) const {
+  HeightGrid grid;
+  grid.spacing = spacing(map.level);
+  ChartHits hits(surface_, plane(map.chart), charts_.charts()[map.chart], grid.spacing / 2);
+  if (map.offset) hits.go_to_offset(caster_, charts_.charts()[map.chart], sampling_.offset);
+  if (hits.columns == 0) return grid;
+  constexpr std::int32_t border = last_hits / 2;
+  grid.column0 = hits.column0 / 2 - border;
+  grid.row0 = hits.row0 / 2 - border;
+  grid.columns = hits.columns / 2 + 1 + 2 * border;
+  grid.rows = hits.rows / 2 + 1 + 2 * border;
+  std::vector<double> heights;
+  heights.reserve(std::size_t{grid.columns} * grid.rows);
+  // Past the border heights are no farther from those of the hits than planes may be inclined.
+  const double around = last_hits * grid.spacing;
+  const double low = hits.least - around, high = hits.most + around;
+  const Filter filter(hits);
+  for (std::int64_t row = 0; row < grid.rows; ++row) {
+    for (std::int64_t column = 0; column < grid.columns; ++column) {
+      const double height = filter.at(2 * (column - border), 2 * (row - border));
+      heights.push_back(height > low && height < high ? height
+                                                      : std::numeric_limits<double>::quiet_NaN());
+    }
+  }
+  store(heights, sampling_.halves, grid);
+  return grid;
+}
+
+const HeightGrid& ChartHeights::of(const ChartAtLevel& map) const {
+  const std::size_t row = 2 * std::size_t{map.chart} + (map.offset ? 1 : 0);
+  Slot& slot = slots_[row * sampling_.levels + map.level];
   std::call_once(slot.once, [&] {
-    const PlaneChart& known = charts_.charts()[chart];
-    slot.grid = flat_[chart].is ? flat_grid(chart, spacing(level))
-                                : make_grid(surface_, planes_[known.plane], known, spacing(level),
-                                            sampling_.halves);
+    slot.grid = flat_[map.chart].is && !map.offset ? flat_grid(map) : curved_grid(map);
   });
   return slot.grid;
 }

@@ -2,18 +2,27 @@
 #pragma once
 
 #include <cmath>
+#include <compare>
 #include <cstdint>
 #include <memory>
 #include <mutex>
 #include <span>
 #include <vector>
 
+#include "baker/cast/cast.hpp"
 #include "baker/charts/plane_charts.hpp"
 #include "baker/surface/outer_surface.hpp"
 #include "common/surface/height_chart.hpp"
 #include "common/surface/support_plane.hpp"
 
 namespace spm::baker {
+
+/// A distance map: a chart at one of its spacings, of the surface or of the offset surface.
+struct ChartAtLevel {
+  std::uint32_t chart = 0, level = 0;
+  bool offset = false;
+  [[nodiscard]] auto operator<=>(const ChartAtLevel&) const noexcept = default;
+};
 
 /// The heights of a chart at one spacing (HeightChart), as the file would store them. NaN where the
 /// surface does not tell any.
@@ -43,37 +52,52 @@ struct MapSampling {
   std::uint32_t levels = 1;  ///< of all
   double flat_within = 0;    ///< m: a chart is flat where its corners are no farther off a plane
   bool halves = false;       ///< heights are HALF samples, not FLOAT
+  double offset = 0;         ///< m, below 0: of the offset surface that is sampled too
+  std::uint32_t offset_levels = 0;  ///< as `levels`, of that; 0 for none of it
 };
 
 /// The distance maps (eq. 2) of all charts at several spacings, each made when it is first asked
 /// for. Those of a flat chart are its plane's. Of others a height is a fixed function of where the
 /// rays around it along the plane's normal meet the chart's triangles, at half the spacing: the
 /// B-spline coefficient of the quadratic that is nearest to these in the mean. Past the chart's
-/// border it goes on with that quadratic. Any number of threads may ask. The same for any number of
-/// threads.
+/// border it goes on with that quadratic. Where feet of deep places lie close together, the surface
+/// tells little of how the distance goes on there; so charts that are not flat are sampled of an
+/// offset surface too, below the same rays. Any number of threads may ask. The same for any number
+/// of threads.
 class ChartHeights {
  public:
-  /// All arguments must outlive this.
-  ChartHeights(const OuterSurface& surface, std::span<const SupportPlane> planes,
-               const PlaneCharts& charts, const MapSampling& sampling);
+  /// All arguments must outlive this. `caster` is over the surface.
+  ChartHeights(const Caster& caster, const OuterSurface& surface,
+               std::span<const SupportPlane> planes, const PlaneCharts& charts,
+               const MapSampling& sampling);
   ~ChartHeights();
   ChartHeights(const ChartHeights&) = delete;
   ChartHeights& operator=(const ChartHeights&) = delete;
 
-  [[nodiscard]] const HeightGrid& of(std::uint32_t chart, std::uint32_t level) const;
+  [[nodiscard]] const HeightGrid& of(const ChartAtLevel& map) const;
   [[nodiscard]] const PlaneCharts& charts() const noexcept { return charts_; }
+  /// The plane of a chart.
+  [[nodiscard]] const SupportPlane& plane(std::uint32_t chart) const noexcept {
+    return planes_[charts_.charts()[chart].plane];
+  }
   [[nodiscard]] std::span<const SupportPlane> planes() const noexcept { return planes_; }
   /// m, of a level.
   [[nodiscard]] double spacing(std::uint32_t level) const noexcept {
     return std::ldexp(sampling_.coarsest, -static_cast<int>(level));
   }
   [[nodiscard]] bool halves() const noexcept { return sampling_.halves; }
-  /// Levels at which a chart is worth a trial: the first, and the one behind the last.
-  [[nodiscard]] std::uint32_t first_level(std::uint32_t chart) const noexcept {
-    return flat_[chart].is ? 0 : sampling_.curved;
+  /// m, of the signed distance: where the offset surface lies, or 0 for the surface.
+  [[nodiscard]] double offset(const ChartAtLevel& map) const noexcept {
+    return map.offset ? sampling_.offset : 0;
   }
-  [[nodiscard]] std::uint32_t end_level(std::uint32_t chart) const noexcept {
-    return flat_[chart].is ? 1 : sampling_.levels;
+  /// Levels at which a chart is worth a trial: the first, and the one behind the last. An offset
+  /// surface is smoother, so that its finest one is not.
+  [[nodiscard]] std::uint32_t first_level(std::uint32_t chart, bool offset) const noexcept {
+    return flat_[chart].is && !offset ? 0 : sampling_.curved;
+  }
+  [[nodiscard]] std::uint32_t end_level(std::uint32_t chart, bool offset) const noexcept {
+    if (flat_[chart].is && !offset) return 1;
+    return offset ? sampling_.offset_levels : sampling_.levels;
   }
 
  private:
@@ -86,6 +110,7 @@ class ChartHeights {
     std::once_flag once;
     HeightGrid grid;
   };
+  const Caster& caster_;
   const OuterSurface& surface_;
   std::span<const SupportPlane> planes_;
   const PlaneCharts& charts_;
@@ -94,7 +119,8 @@ class ChartHeights {
   std::unique_ptr<Slot[]> slots_;
 
   [[nodiscard]] FlatChart flat_of(const PlaneChart& chart) const;
-  [[nodiscard]] HeightGrid flat_grid(std::uint32_t chart, double spacing) const;
+  [[nodiscard]] HeightGrid flat_grid(const ChartAtLevel& map) const;
+  [[nodiscard]] HeightGrid curved_grid(const ChartAtLevel& map) const;
 };
 
 }  // namespace spm::baker

@@ -125,7 +125,7 @@ std::uint64_t band_cells(const AssetView& view) {
 
 /// The leaves of an octree that answer: how many there are of each kind.
 struct LeafKinds {
-  std::uint64_t maps = 0, map_pairs = 0, polynomials = 0, pairs = 0, lists = 0;
+  std::uint64_t maps = 0, map_pairs = 0, lists = 0;
 };
 
 LeafKinds kinds_of(const DistanceOctree& octree) {
@@ -135,8 +135,6 @@ LeafKinds kinds_of(const DistanceOctree& octree) {
     if (leaf.kind == OctreeKind::map && words != nullptr) {
       ++(NamedMaps(words[0]).two() ? kinds.map_pairs : kinds.maps);
     }
-    if (leaf.kind == OctreeKind::polynomial) ++kinds.polynomials;
-    if (leaf.kind == OctreeKind::least || leaf.kind == OctreeKind::most) ++kinds.pairs;
     if (leaf.kind == OctreeKind::list) ++kinds.lists;
   });
   return kinds;
@@ -149,8 +147,6 @@ Json octree_json(const AssetView& view, const LeafKinds& kinds) {
           {"roots", view.octree.roots},
           {"maps", kinds.maps},
           {"pairs_of_maps", kinds.map_pairs},
-          {"polynomials", kinds.polynomials},
-          {"pairs_of_polynomials", kinds.pairs},
           {"lists", kinds.lists},
           {"triangles", view.exact.size()}};
 }

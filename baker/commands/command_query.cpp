@@ -54,8 +54,6 @@ const char* name_of(Source source, const AssetView& asset, const Vector3& point)
       return name_of_map(asset, point);
     case Source::triangles:
       return "triangles";
-    case Source::polynomial:
-      return "polynomial";
     case Source::none:
       return "none";
   }

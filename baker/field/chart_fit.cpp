@@ -20,7 +20,7 @@ constexpr double finest = 0.3;
 /// So many charts are tried that face samples, and so many that meet them are tried to be proven;
 /// of two that meet them, the first.
 constexpr std::size_t tried_charts = 3;
-constexpr int tried_proofs = 2;
+constexpr int tried_proofs = 3;
 /// Two parts with directions closer than 18 degrees are no crease: smaller cubes have one chart.
 constexpr double alike_cosine = 0.95;
 /// Two pieces of a cube have so many samples each, or more.
@@ -56,7 +56,7 @@ std::vector<std::uint32_t> facing_charts(const std::vector<CubeSample>& samples,
   std::uint32_t most = 0;
   for (Votes& one : votes) {
     most = std::max(most, one.count);
-    one.facing = heights.planes()[heights.charts().charts()[one.chart].plane].n.dot(direction);
+    one.facing = heights.plane(one.chart).n.dot(direction);
   }
   std::erase_if(votes, [most](const Votes& one) {
     return one.count < enough_votes * most || !(one.facing > 0);
@@ -77,7 +77,7 @@ class SampledChart {
  public:
   SampledChart(const ChartAtLevel& chart, const std::vector<CubeSample>& samples, const Cube& cube,
                const ChartHeights& heights)
-      : at(chart), field_(heights, chart.chart, chart.level), samples_(samples), cube_(cube) {}
+      : at(chart), field_(heights, chart), samples_(samples), cube_(cube) {}
 
   struct Told {
     bool known = false;
@@ -138,18 +138,23 @@ bool meet(SampledChart& first, SampledChart* second, MapPair pair,
 }
 
 /// The charts that face samples, at each spacing at which they cover the cube: the
-/// chart that faces them most first, each from its coarsest spacing on.
+/// chart that faces them most first, each from its coarsest spacing on. First of the surface,
+/// whose heights cubes above share, then of the offset surface.
 std::vector<SampledChart> charts_over(const std::vector<CubeSample>& samples,
                                       const std::vector<std::size_t>& chosen, const Cube& cube,
                                       const ChartHeights& heights) {
   std::vector<SampledChart> found;
-  for (const std::uint32_t chart : facing_charts(samples, chosen, heights)) {
-    for (std::uint32_t level = heights.first_level(chart); level < heights.end_level(chart);
-         ++level) {
-      if (heights.spacing(level) < finest * 2 * cube.half) break;
-      // A finer spacing reaches less far past the chart's border.
-      if (!ChartField(heights, chart, level).covers(cube.middle, cube.half)) break;
-      found.emplace_back(ChartAtLevel{chart, level}, samples, cube, heights);
+  const std::vector<std::uint32_t> facing = facing_charts(samples, chosen, heights);
+  for (const bool offset : {false, true}) {
+    for (const std::uint32_t chart : facing) {
+      const std::uint32_t end = heights.end_level(chart, offset);
+      for (std::uint32_t level = heights.first_level(chart, offset); level < end; ++level) {
+        if (heights.spacing(level) < finest * 2 * cube.half) break;
+        const ChartAtLevel map{chart, level, offset};
+        // A finer spacing reaches less far past the chart's border.
+        if (!ChartField(heights, map).covers(cube.middle, cube.half)) break;
+        found.emplace_back(map, samples, cube, heights);
+      }
     }
   }
   return found;

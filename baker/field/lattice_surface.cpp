@@ -32,7 +32,7 @@ constexpr double usual_reach = 16384;
 /// and turns no triangle by more than this (cosine) from the mean of those around.
 constexpr double collapse_share = 1.0 / 16;
 constexpr double collapse_cosine = 0.9962;  // 5 degrees
-/// That leaves less of the tolerance to polynomials, which take more bytes for it. So it is done
+/// That leaves less of the tolerance to maps, which take more bytes for it. So it is done
 /// only where no more than this share of the triangles is left.
 constexpr double worth_collapsing = 0.6;
 

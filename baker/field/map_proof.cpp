@@ -15,8 +15,10 @@ namespace spm::baker {
 
 namespace {
 
-constexpr int max_cubes = 2048;  ///< a proof
-constexpr int max_divisions = 6;
+/// A proof may take so many cubes for each square of half the edge over the tolerance, since bounds
+/// are looser in larger cubes; in all no fewer, and no more, than that.
+constexpr double cubes_a_square = 64, least_cubes = 2048, most_cubes = 8192;
+constexpr int max_divisions = 7;
 constexpr int kept_divisions = 4;  ///< so many are kept for later proofs
 /// Of the rounding of doubles in all that follows, m a m.
 constexpr double rounding = 1e-12;
@@ -35,28 +37,6 @@ CornerValues at_corners(const Quadratic& map, double half) {
   return linear_at_corners(map.value + half * half * bend.trace(), half * map.gradient) +
          mixed(0, 1, x * y) + mixed(0, 2, x * z) + mixed(1, 2, y * z);
 }
-
-Quadratic along_axes(const LocalMap& map, const SupportPlane& plane, const Cube& cube) {
-  Eigen::Matrix3d turn;
-  turn << plane.u.transpose(), plane.v.transpose(), -plane.n.transpose();
-  Eigen::Matrix3d bend;
-  bend << map.bend[0], map.bend[3] / 2, map.bend[4] / 2, map.bend[3] / 2, map.bend[1],
-      map.bend[5] / 2, map.bend[4] / 2, map.bend[5] / 2, map.bend[2];
-  return {cube.middle, cube.half * map.value, turn.transpose() * map.slope,
-          turn.transpose() * bend * turn / cube.half};
-}
-
-/// A polynomial over a cube.
-class PolynomialField : public BoundedField {
- public:
-  explicit PolynomialField(const Quadratic& known) : known_(known) {}
-  [[nodiscard]] FieldBound about(const Vector3& middle, double /*half*/) const override {
-    return {known_.about(middle), 0};
-  }
-
- private:
-  Quadratic known_;
-};
 
 /// The field of one map, or those of two of which the smaller or larger one counts.
 struct Told {
@@ -133,6 +113,9 @@ class Proof {
 
   bool holds(CandidateTree& tree) {
     ++cubes_;
+    const double across = tree.cube.half / tolerance_;
+    max_cubes_ =
+        static_cast<int>(std::clamp(cubes_a_square * across * across, least_cubes, most_cubes));
     const Verdict verdict = judge(tree).verdict;
     return verdict == Verdict::holds || (verdict == Verdict::open && holds_in_parts(tree, 1));
   }
@@ -143,7 +126,7 @@ class Proof {
   double tolerance_;
   MapPair pair_;
   std::span<const BoundedField* const> fields_;  ///< one or two
-  int cubes_ = 0;
+  int cubes_ = 0, max_cubes_ = 0;
 
   /// Of parts that are open the worst is divided first, so that a proof that fails does so soon.
   bool holds_in_parts(CandidateTree& tree, int divisions) {
@@ -156,7 +139,7 @@ class Proof {
     std::array<std::pair<double, CandidateTree*>, 8> open;
     std::size_t count = 0;
     for (CandidateTree& part : tree.parts(surface_)) {
-      if (++cubes_ > max_cubes) return false;
+      if (++cubes_ > max_cubes_) return false;
       const Judgement judged = judge(part);
       if (judged.verdict == Verdict::holds) continue;
       if (judged.verdict == Verdict::refuted || divisions == max_divisions) return false;
@@ -319,17 +302,6 @@ class Proof {
 bool prove_fields(const LatticeSurface& surface, CandidateTree& tree, MapPair pair,
                   std::span<const BoundedField* const> fields, const Band& band, double tolerance) {
   return Proof(surface, band, tolerance, pair, fields).holds(tree);
-}
-
-bool prove_maps(const LatticeSurface& surface, CandidateTree& tree, const FittedMaps& fitted,
-                std::span<const SupportPlane> planes, const Band& band, double tolerance) {
-  std::vector<PolynomialField> maps;
-  for (const LocalMap& map : fitted.maps) {
-    maps.emplace_back(along_axes(map, planes[map.plane], tree.cube));
-  }
-  const std::array<const BoundedField*, 2> fields{&maps.front(), &maps.back()};
-  return prove_fields(surface, tree, {fitted.kind == OctreeKind::most, false},
-                      std::span(fields).first(maps.size()), band, tolerance);
 }
 
 }  // namespace spm::baker

@@ -5,7 +5,6 @@
 
 #include "baker/charts/bounded_field.hpp"
 #include "baker/field/cube_candidates.hpp"
-#include "baker/field/map_fit.hpp"
 #include "common/asset/asset_view.hpp"
 
 namespace spm::baker {
@@ -22,10 +21,5 @@ inline constexpr double beyond_share = 0.75;
 [[nodiscard]] bool prove_fields(const LatticeSurface& surface, CandidateTree& tree, MapPair pair,
                                 std::span<const BoundedField* const> fields, const Band& band,
                                 double tolerance);
-
-/// The same of polynomials.
-[[nodiscard]] bool prove_maps(const LatticeSurface& surface, CandidateTree& tree,
-                              const FittedMaps& fitted, std::span<const SupportPlane> planes,
-                              const Band& band, double tolerance);
 
 }  // namespace spm::baker

@@ -17,7 +17,6 @@
 #include "baker/charts/chart_field.hpp"
 #include "baker/field/chart_fit.hpp"
 #include "baker/field/cube_side.hpp"
-#include "baker/field/map_fit.hpp"
 #include "baker/field/map_proof.hpp"
 #include "baker/field/octree_node.hpp"
 #include "baker/field/octree_pruning.hpp"
@@ -45,9 +44,8 @@ double sample_bytes(bool half) { return half ? sizeof(std::uint16_t) : sizeof(fl
 
 class Builder {
  public:
-  Builder(const Caster& caster, const LatticeSurface& surface, std::span<const SupportPlane> planes,
-          const ChartHeights& heights, const Reachability* reachability, const OctreeRules& rules,
-          const OctreeData& data, ProvenMaps& proven)
+  Builder(const Caster& caster, const LatticeSurface& surface, const ChartHeights& heights,
+          const Reachability* reachability, const OctreeRules& rules, ProvenMaps& proven)
       : caster_(caster),
         surface_(surface),
         reachability_(reachability),
@@ -55,7 +53,6 @@ class Builder {
         proven_(proven) {
     rules_.tolerance -= surface.displacement;
     charts_ = {&heights, rules.band, fit_share * rules_.tolerance, rules.direction};
-    fit_ = {planes, rules.band, data.value_unit, fit_share * rules_.tolerance, rules.direction};
   }
 
   [[nodiscard]] OctreeNode root(const Cube& cube) const {
@@ -98,11 +95,8 @@ class Builder {
   const LatticeSurface& surface_;
   const Reachability* reachability_;
   OctreeRules rules_;
-  FitRules fit_;
   ChartRules charts_;
   ProvenMaps& proven_;
-
-  using Samples = std::optional<std::vector<CubeSample>>;
 
   /// Below the roots that were not joined; negative of joined ones.
   [[nodiscard]] int level_of(const Cube& cube) const {
@@ -120,7 +114,7 @@ class Builder {
     }
     if (-distance - reach > rules_.band.max_depth) {
       node.kind = OctreeKind::deep;
-      node.words = {pack_octahedral(direction)};
+      node.direction = pack_octahedral(direction);
       return true;
     }
     if (reachability_ == nullptr) return false;
@@ -155,17 +149,19 @@ class Builder {
   /// is divided once, for the maps that its octants may have.
   void answer(OctreeNode& node, CandidateTree& tree, int level, bool below_few) const {
     const bool is_few = node.few.has_value();
-    const bool last = level == rules_.levels || (is_few && (below_few || !rules_.maps));
-    if (fits(node, tree, last || !rules_.maps)) return;
+    // Charts are of solids.
+    const bool maps = rules_.maps && !tree.candidates.solids.triangles.empty();
+    const bool last = level == rules_.levels || (is_few && (below_few || !maps));
+    if (maps && tree.candidates.sheets.triangles.empty() && has_maps(node, tree)) return;
     if (!last) {
       divide_in_octants(node, tree, level, is_few);
       if (!is_few || !node.octants || has_map(*node.octants)) return;
       node.octants.reset();
     }
     Candidates least = nearest_in_parts(surface_, tree.candidates, node.cube, 1);
-    // Another packet takes as long as a first one.
+    // Another packet takes as long as a first one, and a word of a list as much as that of a map.
     if (level == rules_.levels && least.size() > packet_size) {
-      least = nearest_in_parts(surface_, least, node.cube, 2);
+      least = nearest_in_parts(surface_, least, node.cube, 3);
     }
     tree.candidates = std::move(least);
     keep_few(node, tree);
@@ -205,79 +201,32 @@ class Builder {
     node.few = std::move(few);
   }
 
-  /// Whether maps, or else polynomials, answer within the tolerance everywhere in the cube. Where
-  /// smaller cubes are still to come, maps alone.
-  bool fits(OctreeNode& node, CandidateTree& tree, bool smallest) const {
-    if (tree.candidates.mixed()) return false;
-    Samples samples;
-    return take(node, proven_.maps_of(node.cube, [&] { return charts_of(tree, samples); })) ||
-           (smallest && take(node, proven_.polynomials_of(
-                                       node.cube, [&] { return polynomials_of(tree, samples); })));
-  }
-
-  /// Samples of a cube, made where they are first asked for.
-  const std::vector<CubeSample>& samples_of(const CandidateTree& tree, Samples& samples) const {
-    if (!samples) samples = sample_cube(surface_, tree.candidates, tree.cube, tree.inside);
-    return *samples;
-  }
-
-  /// Makes a cube one of what was proven in it, if anything was.
-  static bool take(OctreeNode& node, const std::optional<CubeMaps>& maps) {
+  /// Whether maps answer within the tolerance everywhere in a cube, which then is theirs.
+  bool has_maps(OctreeNode& node, CandidateTree& tree) const {
+    const std::optional<FittedCharts>& maps = proven_.of(node.cube, [&] { return maps_of(tree); });
     if (!maps) return false;
-    node.kind = maps->kind;
-    node.words = maps->words;
+    node.kind = OctreeKind::map;
     node.charts = maps->charts;
     node.pair = maps->pair;
-    node.shared_bytes = maps->shared_bytes;
+    for (const ChartAtLevel& at : maps->charts)
+      node.shared_bytes += bytes_of_heights(at, node.cube);
     return true;
   }
 
-  [[nodiscard]] std::optional<CubeMaps> polynomials_of(CandidateTree& tree,
-                                                       Samples& samples) const {
-    for (const auto& fit : {fit_one, fit_two}) {
-      const std::optional<FittedMaps> fitted = fit(samples_of(tree, samples), tree.cube, fit_);
-      if (!fitted ||
-          !prove_maps(surface_, tree, *fitted, fit_.planes, rules_.band, rules_.tolerance)) {
-        continue;
-      }
-      CubeMaps maps;
-      maps.kind = fitted->kind;
-      for (const PackedLocalMap& map : fitted->packed) {
-        maps.words.insert(maps.words.end(), map.words.begin(), map.words.end());
-      }
-      return maps;
-    }
-    return std::nullopt;
-  }
-
-  /// The distance maps that answer in a cube.
-  [[nodiscard]] std::optional<CubeMaps> charts_of(CandidateTree& tree, Samples& samples) const {
-    // Charts are of solids.
-    if (!rules_.maps || !tree.candidates.sheets.triangles.empty()) return std::nullopt;
+  /// The distance maps that are proven to answer in a cube.
+  [[nodiscard]] std::optional<FittedCharts> maps_of(CandidateTree& tree) const {
+    const std::vector<CubeSample> samples =
+        sample_cube(surface_, tree.candidates, tree.cube, tree.inside);
     const auto proven = [&](const FittedCharts& found) {
       std::vector<ChartField> fields;
       std::vector<const BoundedField*> bounded;
-      for (const ChartAtLevel& at : found.charts) {
-        fields.emplace_back(*charts_.heights, at.chart, at.level);
-      }
+      for (const ChartAtLevel& at : found.charts) fields.emplace_back(*charts_.heights, at);
       bounded.reserve(fields.size());
       for (const ChartField& field : fields) bounded.push_back(&field);
       return prove_fields(surface_, tree, found.pair, bounded, rules_.band, rules_.tolerance);
     };
-    for (const auto& find : {find_one_chart, find_two_charts}) {
-      const std::optional<FittedCharts> found =
-          find(samples_of(tree, samples), tree.cube, charts_, proven);
-      if (!found) continue;
-      CubeMaps maps;
-      maps.kind = OctreeKind::map;
-      maps.charts = found->charts;
-      maps.pair = found->pair;
-      for (const ChartAtLevel& at : found->charts) {
-        maps.shared_bytes += bytes_of_heights(at, tree.cube);
-      }
-      return maps;
-    }
-    return std::nullopt;
+    std::optional<FittedCharts> found = find_one_chart(samples, tree.cube, charts_, proven);
+    return found ? found : find_two_charts(samples, tree.cube, charts_, proven);
   }
 
   /// What a cube's part of a chart's heights takes, which the cubes before and behind it in the
@@ -379,7 +328,7 @@ double bytes_of(const AtlasData& atlas, const std::vector<SupportPlane>& planes)
 /// Bytes of the distance maps that answer in an octree, more than was reckoned with.
 double atlas_excess(const ChartHeights& heights, const OctreeRoots& roots) {
   std::vector<SupportPlane> planes;
-  const AtlasData atlas = atlas_of(heights, roots).lay_out(0, planes);
+  const AtlasData atlas = atlas_of(heights, roots).lay_out(planes);
   return bytes_of(atlas, planes) - shared_bytes(roots);
 }
 
@@ -409,9 +358,8 @@ void keep_within(const LatticeSurface& surface, const ChartHeights& heights, dou
 }  // namespace
 
 BuiltOctree build_octree(const LatticeSurface& surface, const Caster& caster,
-                         std::span<const SupportPlane> planes, const ChartHeights& heights,
-                         const Reachability* reachability, const OctreeRules& rules,
-                         ProvenMaps& proven, const Progress& progress) {
+                         const ChartHeights& heights, const Reachability* reachability,
+                         const OctreeRules& rules, ProvenMaps& proven, const Progress& progress) {
   BuiltOctree built;
   OctreeData& data = built.data;
   data.edge = std::ldexp(rules.smallest_edge, rules.levels);
@@ -431,15 +379,13 @@ BuiltOctree build_octree(const LatticeSurface& surface, const Caster& caster,
   const double root_radius = std::sqrt(3.0) * data.edge / 2;
   data.reach =
       std::max(rules.band.max_depth, rules.band.margin) + 2 * root_radius + surface.sheet_thickness;
-  data.value_unit = data.reach / 32000;
   data.clearance_unit = caster.diagonal() / 1e6;
   data.beyond_share = beyond_share;
   const std::size_t count = std::size_t{data.roots[0]} * data.roots[1] * data.roots[2];
   OctreeRoots roots;
   roots.count = data.roots;
   roots.nodes.resize(count);
-  proven.store_in(data.value_unit);
-  const Builder builder(caster, surface, planes, heights, reachability, rules, data, proven);
+  const Builder builder(caster, surface, heights, reachability, rules, proven);
   ProgressCounter counter(progress, "octree", count);
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
     const std::size_t row = i / data.roots[0], layer = row / data.roots[1];
@@ -465,7 +411,7 @@ BuiltOctree build_octree(const LatticeSurface& surface, const Caster& caster,
   make_lists(surface, roots);
   built.untold = add_known_places(surface, roots);
   Atlas atlas = atlas_of(heights, roots);
-  built.atlas = atlas.lay_out(static_cast<std::uint32_t>(planes.size()), built.planes);
+  built.atlas = atlas.lay_out(built.planes);
   write_words(roots, surface, atlas, built);
   built.counts.bytes += static_cast<std::uint64_t>(bytes_of(built.atlas, built.planes));
   if (built.counts.leaves() == 0) {

@@ -26,36 +26,32 @@ struct OctreeRules {
   int levels = 3;               ///< from the roots to the smallest cubes
   double direction = 0;         ///< rad: directions in a cube are off by at most this in the mean
   std::optional<double> bytes;  ///< that octree, maps and triangles may take at most
-  bool maps = true;             ///< whether maps may answer; polynomials do in their place
+  bool maps = true;             ///< whether maps may answer, or lists alone
 };
 
 struct OctreeCounts {
-  std::uint64_t maps = 0, map_pairs = 0, polynomials = 0, pairs = 0, lists = 0,
-                listed_triangles = 0;
+  std::uint64_t maps = 0, map_pairs = 0, lists = 0, listed_triangles = 0;
   double answered_volume = 0;             ///< m^3
   std::array<double, 4> pruned_volume{};  ///< m^3, by PruneRule
   std::uint64_t bytes = 0;                ///< of all words and maps
 
-  [[nodiscard]] std::uint64_t leaves() const noexcept {
-    return maps + map_pairs + polynomials + pairs + lists;
-  }
+  [[nodiscard]] std::uint64_t leaves() const noexcept { return maps + map_pairs + lists; }
 };
 
 struct BuiltOctree {
   OctreeData data;
   AtlasData atlas;
-  std::vector<SupportPlane> planes;  ///< of the atlas, behind those of the polynomials
+  std::vector<SupportPlane> planes;  ///< of the atlas
   OctreeCounts counts;
   std::size_t untold = 0;  ///< lists beside doubted triangles that tell no side
 };
 
 /// Builds the distance octree of a surface, which `caster` is over too, and proves each of its
-/// polynomials and maps. `planes` are those of the polynomials, `heights` of the same surface.
-/// `reachability` may be null. `proven` is of earlier octrees of the same surface that
-/// differ in their cubes and bytes alone, or empty; it is added to. The same for any number of
-/// threads. Throws BakeError where nothing of the object is left to model.
+/// maps. `heights` are of the same surface. `reachability` may be null. `proven` is of earlier
+/// octrees of the same surface that differ in their cubes and bytes alone, or empty; it is added
+/// to. The same for any number of threads. Throws BakeError where nothing of the object is left to
+/// model.
 [[nodiscard]] BuiltOctree build_octree(const LatticeSurface& surface, const Caster& caster,
-                                       std::span<const SupportPlane> planes,
                                        const ChartHeights& heights,
                                        const Reachability* reachability, const OctreeRules& rules,
                                        ProvenMaps& proven, const Progress& progress);

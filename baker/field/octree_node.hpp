@@ -25,7 +25,7 @@ struct ListedCandidate {
 struct OctreeNode {
   OctreeKind kind = OctreeKind::far;
   Cube cube;
-  std::vector<std::uint32_t> words;     ///< of polynomials and of deep cubes
+  std::uint32_t direction = 0;          ///< outwards, of a deep cube: its word
   std::vector<ChartAtLevel> charts;     ///< of maps: one, or two
   MapPair pair;                         ///< of two maps
   double shared_bytes = 0;              ///< of maps: what their heights take, beside other cubes

@@ -13,10 +13,10 @@ namespace spm::baker {
 
 namespace {
 
-/// How long answers take, that of a polynomial in a root the unit: measured on one processor. On
-/// others it may not be quite the fastest octree that is chosen.
-constexpr double map_time = 1.1, two_maps_time = 1.7, pair_time = 1.3, list_time = 1.4,
-                 packet_time = 1.9, level_time = 0.14;
+/// How long answers take, that of a map in a root the unit: measured on one processor. On others it
+/// may not be quite the fastest octree that is chosen.
+constexpr double map_time = 1, two_maps_time = 1.55, list_time = 1.27, packet_time = 1.73,
+                 level_time = 0.13;
 
 /// Of the octree's words; times by the volume in which they are taken.
 struct Cost {
@@ -29,7 +29,7 @@ struct Cost {
   }
 };
 
-constexpr double word_bytes = 4, root_bytes = 4, pair_words = 9;
+constexpr double word_bytes = 4, root_bytes = 4;
 
 Cost cost_of_list(std::size_t triangles, const Cube& cube, int level) {
   const TriangleList list{.solids = static_cast<std::uint32_t>(triangles)};
@@ -48,11 +48,6 @@ Cost cost_of_leaf(const OctreeNode& node, int level) {
   if (node.kind == OctreeKind::map) {
     const double time = node.charts.size() > 1 ? two_maps_time : map_time;
     cost.bytes += node.shared_bytes;
-    cost.time = node.cube.volume() * (time + level_time * level);
-  }
-  if (has_polynomials(node.kind)) {
-    const double time = node.kind == OctreeKind::polynomial ? 1 : pair_time;
-    if (node.kind != OctreeKind::polynomial) cost.bytes = word_bytes * pair_words;
     cost.time = node.cube.volume() * (time + level_time * level);
   }
   return cost;
@@ -228,7 +223,7 @@ double triangle_bytes(const LatticeSurface& surface, const OctreeRoots& roots) {
 double find_least_bytes(OctreeRoots& roots) { return cost_of_roots(0, roots).bytes; }
 
 double find_fastest(double bytes, OctreeRoots& roots) {
-  // What time is worth, in bytes for that of a polynomial in a cubic metre, from next to nothing to
+  // What time is worth, in bytes for that of a map in a cubic metre, from next to nothing to
   // all; halved as a logarithm, since it may be of any size.
   double low = 0, high = 60;
   constexpr int steps = 24;
@@ -262,7 +257,7 @@ int join_roots(int most, const RootMaker& make_root, OctreeRoots& roots) {
 }
 
 bool part_roots(const RootMaker& make_root, OctreeRoots& roots) {
-  constexpr double worth_parting = 0.05;  // as many bytes more, for looking into one cube less
+  constexpr double worth_parting = 0.1;  // as many bytes more, for looking into one cube less
   double more = 7 * root_bytes * static_cast<double>(roots.nodes.size());
   for (const OctreeNode& root : roots.nodes) {
     more += word_bytes *

@@ -106,27 +106,9 @@ class Writer {
       case OctreeKind::far:
         break;
       case OctreeKind::deep:
-        copy(node.words, at);
+        data_.words[at] = node.direction;
         break;
-      case OctreeKind::polynomial:
-        ++built_.counts.polynomials;
-        built_.counts.answered_volume += volume;
-        copy(node.words, at);
-        break;
-      case OctreeKind::least:
-      case OctreeKind::most: {
-        ++built_.counts.pairs;
-        built_.counts.answered_volume += volume;
-        const std::uint32_t first = reserve(node.words.size());
-        data_.words[at] = first;
-        copy(node.words, first);
-        break;
-      }
     }
-  }
-
-  void copy(const std::vector<std::uint32_t>& words, std::size_t at) {
-    std::copy(words.begin(), words.end(), data_.words.begin() + static_cast<std::ptrdiff_t>(at));
   }
 
   [[nodiscard]] std::vector<Listed> entries_of(const std::vector<ListedCandidate>& listed) const {

@@ -75,7 +75,7 @@ Extent extent_of(const AssetView& asset, std::size_t plane) {
           (map.rows - 1) * map.spacing);
   }
   for (const HeightChart& chart : asset.charts) {
-    if (chart.plane != plane) continue;
+    if (chart.plane != plane || chart.offset != 0) continue;
     const Extent of = extent_of(chart, asset.planes[plane]);
     widen(extent, of.left, of.bottom, of.right - of.left, of.top - of.bottom);
   }
@@ -194,7 +194,9 @@ Canvas canvas_of(const AssetView& asset, std::size_t plane, std::uint32_t longes
     if (map.plane == plane) draw_map(canvas, map);
   }
   for (std::uint32_t i = 0; i < asset.charts.size(); ++i) {
-    if (asset.charts[i].plane == plane) draw_chart(canvas, asset, i);
+    const HeightChart& chart = asset.charts[i];
+    // An offset surface is not what is felt.
+    if (chart.plane == plane && chart.offset == 0) draw_chart(canvas, asset, i);
   }
   return canvas;
 }

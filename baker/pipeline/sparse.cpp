@@ -24,8 +24,8 @@ namespace spm::baker {
 
 namespace {
 
-/// Of polynomials, and of the distance maps that answer.
-constexpr std::size_t directions = 8, map_directions = 42;
+/// Support planes of which charts choose.
+constexpr std::size_t directions = 42;
 /// The coarsest spacing of these maps, of the diagonal, which flat charts have; that of others is
 /// halved down to a 64th, and twice more where it must be. Flat is what is so within a share of the
 /// tolerance.
@@ -37,6 +37,8 @@ constexpr double flat_share = 0.02;
 constexpr double half_share = 2e-4, half_tolerance = 1e-6;
 /// How far maps go on over what other planes see better, in depths of the band and spacings.
 constexpr double reach_depths = 1, reach_spacings = 2;
+/// Where the offset surface lies that maps of deep places are of, in depths of the band.
+constexpr double offset_depth = 0.6;
 /// Tolerances below this share of the diagonal are not proven, since the rounding of queries is no
 /// longer small.
 constexpr double min_tolerance_share = 1e-5;
@@ -56,8 +58,8 @@ constexpr double coarse_share = 0.25;
 /// Beyond this share of the finest of these, cubes are no smaller, whatever passes them.
 constexpr double least_share = 0.1;
 
-/// Coarser tolerances than this share of the band's depth leave polynomials as they are, or fit
-/// larger ones in place of lists that take fewer bytes.
+/// Coarser tolerances than this share of the band's depth leave maps as they are, or find larger
+/// ones in place of lists that take fewer bytes.
 constexpr double max_tolerance_share = 0.4;
 
 double depth_of(const Band& band) { return std::max(band.max_depth, band.margin); }
@@ -154,11 +156,7 @@ void bake_sparse(BakeResult& result, const OuterSurface& surface, const Caster& 
   BakeReport& report = result.report;
   AssetMetadata& metadata = asset.metadata;
   const double tolerance = working_tolerance(metadata, caster);
-  asset.planes = vertex_based_planes(hull, directions);
   metadata.kind = "vertex";
-  // The file stores these planes with fewer digits.
-  round_to_stored(asset);
-
   const Clock::time_point started = Clock::now();
   const Reachability reachability(caster, metadata.band, options.probe_radius, options.workspace,
                                   progress);
@@ -167,47 +165,40 @@ void bake_sparse(BakeResult& result, const OuterSurface& surface, const Caster& 
   const LatticeSurface lattice = round_to_lattice(surface, caster, tolerance);
   const Caster& rounded = *lattice.caster;
   report.stages.end("lattice");
-  std::vector<SupportPlane> map_planes = vertex_based_planes(hull, map_directions);
-  round_planes(map_planes, metadata.diagonal);
+  std::vector<SupportPlane> planes = vertex_based_planes(hull, directions);
+  // The file stores these planes with fewer digits.
+  round_planes(planes, metadata.diagonal);
   const auto map_spacing =
       static_cast<double>(static_cast<float>(map_spacing_share * caster.diagonal()));
-  const PlaneCharts charts(lattice.surface, map_planes,
+  const PlaneCharts charts(lattice.surface, planes,
                            reach_depths * depth_of(metadata.band) +
                                std::ldexp(reach_spacings * map_spacing, -int{curved_level}));
   const Clock::time_point casting = Clock::now();
   const ChartHeights heights(
-      lattice.surface, map_planes, charts,
+      rounded, lattice.surface, planes, charts,
       {.coarsest = map_spacing,
        .curved = curved_level,
        .levels = map_levels,
        .flat_within = flat_share * tolerance,
-       .halves = tolerance >= std::max(half_share * caster.diagonal(), half_tolerance)});
+       .halves = tolerance >= std::max(half_share * caster.diagonal(), half_tolerance),
+       .offset = static_cast<double>(static_cast<float>(-offset_depth * metadata.band.max_depth)),
+       .offset_levels = map_levels - 1});
   report.seconds_cast = seconds_since(casting);
   report.stages.end("charts");
   std::optional<BuiltOctree> built;
   ProvenMaps proven;
-  const auto build = [&](double edge, bool maps, ProvenMaps& cubes) {
+  const auto build = [&](double edge, bool maps) {
     OctreeRules rules = rules_for(options, asset, caster, tolerance, edge);
     rules.maps = maps;
-    return build_octree(lattice, rounded, asset.planes, heights,
-                        reachability.cuts() ? &reachability : nullptr, rules, cubes, progress);
-  };
-  const auto build_alone = [&](double edge) {
-    ProvenMaps alone;
-    return build(edge, false, alone);
+    return build_octree(lattice, rounded, heights, reachability.cuts() ? &reachability : nullptr,
+                        rules, proven, progress);
   };
   const auto try_edge = [&](double edge) {
-    std::optional<BuiltOctree> next;
-    try {
-      next = build(edge, true, proven);
-      if (next->atlas.charts.size() > max_named_maps) next = build_alone(edge);
-    } catch (const BakeError& error) {
-      // Heights take bytes that few places share; polynomials alone may take fewer.
-      if (!options.max_bytes || error.code() != ExitCode::tolerance_not_met) throw;
-      next = build_alone(edge);
-    }
-    if (!built || std::pair(next->untold, next->counts.bytes) <
-                      std::pair(built->untold, built->counts.bytes)) {
+    BuiltOctree next = build(edge, true);
+    // Words cannot name so many.
+    if (next.atlas.charts.size() > max_named_maps) next = build(edge, false);
+    if (!built ||
+        std::pair(next.untold, next.counts.bytes) < std::pair(built->untold, built->counts.bytes)) {
       built = std::move(next);
     }
   };
@@ -220,7 +211,7 @@ void bake_sparse(BakeResult& result, const OuterSurface& surface, const Caster& 
   }
   asset.octree = std::move(built->data);
   asset.atlas = std::move(built->atlas);
-  asset.planes.insert(asset.planes.end(), built->planes.begin(), built->planes.end());
+  asset.planes = std::move(built->planes);
   report.stages.end("octree");
   if (reachability.cuts()) report.pruned = pruned_by(built->counts, reachability);
   asset.metadata.certified = tolerance;

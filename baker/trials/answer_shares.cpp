@@ -14,15 +14,14 @@ constexpr int along = 3;  ///< places in a leaf along each axis
 
 double& share_of(const AssetView& view, const Leaf& leaf, AnswerShares& shares) {
   if (leaf.kind == OctreeKind::list) return shares.triangles;
-  if (leaf.kind != OctreeKind::map) return shares.polynomials;
   const std::uint32_t* words = words_at(view.octree, leaf);
   return words != nullptr && NamedMaps(words[0]).two() ? shares.two_maps : shares.one_map;
 }
 
 AnswerShares of_all(const AnswerShares& of) {
-  const double all = of.one_map + of.two_maps + of.polynomials + of.triangles;
+  const double all = of.one_map + of.two_maps + of.triangles;
   if (!(all > 0)) return {};
-  return {of.one_map / all, of.two_maps / all, of.polynomials / all, of.triangles / all};
+  return {of.one_map / all, of.two_maps / all, of.triangles / all};
 }
 
 }  // namespace

@@ -7,7 +7,7 @@ namespace spm::baker {
 
 /// From what places are answered: shares that sum to 1, or are 0.
 struct AnswerShares {
-  double one_map = 0, two_maps = 0, polynomials = 0, triangles = 0;
+  double one_map = 0, two_maps = 0, triangles = 0;
 };
 
 /// The shares of a `sparse` asset, by its own answers: of the band's volume, and of its surface.

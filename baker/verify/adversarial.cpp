@@ -87,7 +87,7 @@ Vector3 AdversarialPlaces::beside_piece(const Draw& draw) const {
   const double depth = contact_on(chart, below, contact) ? -contact.penetration : 0;
   const Band& band = view_.band;
   const double height = -band.max_depth + (band.max_depth + band.margin) * draw.at(3);
-  return below + (height - depth) * n;
+  return below + (height - static_cast<double>(chart.offset) - depth) * n;
 }
 
 /// From a corner of the asset's triangles, just beyond the tolerance, along a normal or an edge of

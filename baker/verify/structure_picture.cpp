@@ -22,10 +22,6 @@ std::optional<Colour> colour_in_octree(const DistanceOctree& octree, const Leaf&
       if (words == nullptr) return std::nullopt;
       return NamedMaps(words[0]).two() ? colours::two_maps : colours::one_map;
     }
-    case OctreeKind::polynomial:
-    case OctreeKind::least:
-    case OctreeKind::most:
-      return colours::polynomial;
     case OctreeKind::list: {
       const std::uint32_t* words = words_at(octree, leaf);
       if (words == nullptr) return std::nullopt;

@@ -7,13 +7,12 @@ namespace spm::baker {
 
 /// The colours of what answers at a place.
 namespace structure_colours {
-inline constexpr Colour one_map{0.27, 0.47, 0.75};     ///< blue: one distance map
-inline constexpr Colour two_maps{0.40, 0.76, 0.62};    ///< green: the smaller or larger of two
-inline constexpr Colour polynomial{0.82, 0.58, 0.78};  ///< pink: one polynomial or two
-inline constexpr Colour list{0.96, 0.76, 0.30};        ///< yellow: a list of one packet or less
-inline constexpr Colour long_list{0.80, 0.30, 0.20};   ///< red: a longer list of triangles
-inline constexpr Colour deep{0.26, 0.26, 0.30};        ///< grey: deeper than the band
-inline constexpr Colour pruned{0.55, 0.35, 0.65};      ///< violet: left out by the bake
+inline constexpr Colour one_map{0.27, 0.47, 0.75};    ///< blue: one distance map
+inline constexpr Colour two_maps{0.40, 0.76, 0.62};   ///< green: the smaller or larger of two
+inline constexpr Colour list{0.96, 0.76, 0.30};       ///< yellow: a list of one packet or less
+inline constexpr Colour long_list{0.80, 0.30, 0.20};  ///< red: a longer list of triangles
+inline constexpr Colour deep{0.26, 0.26, 0.30};       ///< grey: deeper than the band
+inline constexpr Colour pruned{0.55, 0.35, 0.65};     ///< violet: left out by the bake
 }  // namespace structure_colours
 
 /// The surface, coloured by what answers there. Of a `full` asset, maps are blue and triangles

@@ -92,7 +92,6 @@ class Legends {
             {},
             {{colours::one_map, "one distance map"},
              {colours::two_maps, "two"},
-             {colours::polynomial, "polynomials"},
              {colours::list, "up to 8 triangles"},
              {colours::long_list, "more triangles"},
              {colours::deep, "deeper than the band"},

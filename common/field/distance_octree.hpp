@@ -13,17 +13,14 @@
 namespace spm {
 
 /// What is known of a cube of the distance octree. Two top bits of the four: how many words the
-/// cube takes (words_of).
+/// cube takes.
 enum class OctreeKind : std::uint32_t {
-  far = 0,          ///< outside, beyond the margin
-  pruned = 1,       ///< left out by the bake
-  deep = 4,         ///< one word: inside, deeper than the band; the direction outwards
-  map = 5,          ///< one word: a distance map, or two of which the smaller or larger one counts
-  least = 6,        ///< one word: two local maps, the smaller distance counts
-  most = 7,         ///< one word: two local maps, the larger distance counts
-  split = 8,        ///< two words: its octants
-  list = 9,         ///< two words: a list of triangles
-  polynomial = 12,  ///< four words: a local map
+  far = 0,     ///< outside, beyond the margin
+  pruned = 1,  ///< left out by the bake
+  deep = 4,    ///< one word: inside, deeper than the band; the direction outwards
+  map = 5,     ///< one word: a distance map, or two of which the smaller or larger one counts
+  split = 8,   ///< two words: its octants
+  list = 9,    ///< two words: a list of triangles
 };
 
 /// The distance octree of a `sparse` asset: all that its answers come from, with the indexed
@@ -36,7 +33,6 @@ enum class OctreeKind : std::uint32_t {
 ///   other; the octants' kinds, four bits each, octant 0 (octant.hpp) lowest.
 /// Words of a list: its place in `lists`; how many triangles and of which kind (TriangleList).
 /// Word of a map: NamedMaps.
-/// Word of `least` and `most`: the place of two local maps, four words each.
 /// Word of a deep cube: the direction outwards, octahedral (octahedral.hpp).
 ///
 /// Words may be anything, in a file that was damaged after it was checked, so each place is checked
@@ -49,7 +45,6 @@ struct DistanceOctree {
   std::span<const std::uint32_t> root_words;
   std::span<const std::uint32_t> words;
   std::span<const std::uint32_t> lists;
-  double value_unit = 1;      ///< m: of a packed local map's value, times half the cube's edge
   double clearance_unit = 1;  ///< m
   double reach = 1;           ///< m
   /// Of what a leaf tells beyond the band's margin, the part by which the surface is farther than
@@ -91,28 +86,21 @@ struct NamedMaps {
          (pair.edge ? 1U << 15U : 0U);
 }
 
-/// Whether polynomials are all that a cube's answers come from.
-[[nodiscard]] constexpr bool has_polynomials(OctreeKind kind) noexcept {
-  return kind == OctreeKind::polynomial || kind == OctreeKind::least || kind == OctreeKind::most;
-}
-
 /// Whether a cube's places may have exact answers.
 [[nodiscard]] constexpr bool has_answers(OctreeKind kind) noexcept {
-  return kind == OctreeKind::map || kind == OctreeKind::list || has_polynomials(kind);
+  return kind == OctreeKind::map || kind == OctreeKind::list;
 }
 
 enum class ListSide : std::uint32_t { surface, outside, inside };
 
 [[nodiscard]] constexpr std::uint32_t words_of(OctreeKind kind) noexcept {
-  const std::uint32_t size = static_cast<std::uint32_t>(kind) >> 2U;
-  return size + (size == 3 ? 1U : 0U);
+  return static_cast<std::uint32_t>(kind) >> 2U;
 }
 
 /// The number of words of the octants before one, from the word of all kinds.
 [[nodiscard]] constexpr std::uint32_t words_before(std::uint32_t kinds,
                                                    std::uint32_t octant) noexcept {
   std::uint32_t sizes = (kinds >> 2U) & 0x33333333U;
-  sizes += sizes & (sizes >> 1U) & 0x11111111U;
   sizes &= (1U << 4U * octant) - 1U;
   const std::uint32_t pairs = (sizes & 0x0F0F0F0FU) + ((sizes >> 4U) & 0x0F0F0F0FU);
   return (pairs * 0x01010101U) >> 24U;
@@ -141,8 +129,7 @@ struct Leaf {
   std::uint32_t word = 0;  ///< place of its first; of a `far` root the distance at its middle
   int level = -1;          ///< 0 a root; -1 outside all roots
   Vector3 middle = Vector3::Zero();
-  double half = 0;      ///< of its edge, m
-  double per_half = 0;  ///< 1 / half; kept, since a division takes longer than all of a polynomial
+  double half = 0;  ///< of its edge, m
 };
 
 /// 2^exponent, by its bits; of small exponents.
@@ -211,7 +198,6 @@ struct FoundLeaf {
   leaf.word = found.word;
   leaf.level = found.level;
   leaf.half = edge / 2;
-  leaf.per_half = 2 * octree.per_edge * power_of_two(found.level);
   leaf.middle[0] = octree.origin[0] + edge * (static_cast<double>(found.step_x >> coarse) + 0.5);
   leaf.middle[1] = octree.origin[1] + edge * (static_cast<double>(found.step_y >> coarse) + 0.5);
   leaf.middle[2] = octree.origin[2] + edge * (static_cast<double>(found.step_z >> coarse) + 0.5);
@@ -232,16 +218,6 @@ struct FoundLeaf {
 [[nodiscard]] inline const std::uint32_t* words_at(const DistanceOctree& octree,
                                                    const Leaf& leaf) noexcept {
   return words_at(octree, leaf.kind, leaf.word);
-}
-
-/// The words of a leaf's polynomials, of which there are two where it is `least` or `most`; null
-/// where they are not there. `words` are the leaf's.
-[[nodiscard]] inline const std::uint32_t* polynomials_at(const DistanceOctree& octree,
-                                                         const Leaf& leaf,
-                                                         const std::uint32_t* words) noexcept {
-  if (leaf.kind == OctreeKind::polynomial) return words;
-  return std::size_t{words[0]} + 8 <= octree.words.size() ? octree.words.data() + words[0]
-                                                          : nullptr;
 }
 
 /// Starts to load the words of a leaf.

@@ -24,7 +24,6 @@ void below(const DistanceOctree& octree, const Leaf& cube, const Visit& visit) {
     part.word = words[0] + words_before(words[1], octant);
     part.level = cube.level + 1;
     part.half = cube.half / 2;
-    part.per_half = 2 * cube.per_half;
     part.middle = cube.middle + part.half * octant_direction(octant);
     below(octree, part, visit);
   }
@@ -46,7 +45,6 @@ void visit_leaves(const DistanceOctree& octree, const Visit& visit) {
         root.word = known->word;
         root.level = 0;
         root.half = octree.edge / 2;
-        root.per_half = 1 / root.half;
         root.middle = octree.origin + octree.edge * (Vector3(x, y, z) + Vector3::Constant(0.5));
         octree_leaves::below(octree, root, visit);
       }

@@ -11,7 +11,6 @@
 #include "common/field/nearest_triangle.hpp"
 #include "common/field/side_by_crossings.hpp"
 #include "common/query/band_distance.hpp"
-#include "common/query/leaf_maps.hpp"
 #include "common/surface/closest_on_triangle.hpp"
 #include "common/surface/edge_distance.hpp"
 
@@ -118,7 +117,7 @@ struct ToldByChart {
 
 /// d = -(S_SP - D_SP(P_M)) / |n_S| and n_S of length 1 (eq. 3 to 5). That is the distance of the
 /// surface's tangent plane at P_M: the paper's eq. 3 with the cosine between n_S and n_SP as the
-/// only difference.
+/// only difference. On a map of an offset surface, what that is off the surface is added.
 [[gnu::always_inline]] inline ToldByChart told_by_chart(const AssetView& asset, std::uint32_t chart,
                                                         const Vector3& point) noexcept {
   MapContact contact;
@@ -127,8 +126,10 @@ struct ToldByChart {
   const double square = n[0] * n[0] + n[1] * n[1] + n[2] * n[2];
   // A root and a quotient that do not wait for each other.
   const double per = std::sqrt(square) * (1 / square);
-  return {true,       -per * contact.penetration, per * n[0], per * n[1],
-          per * n[2], asset.charts[chart].plane};
+  const HeightChart& map = asset.charts[chart];
+  return {true,       static_cast<double>(map.offset) - per * contact.penetration,
+          per * n[0], per * n[1],
+          per * n[2], map.plane};
 }
 
 [[gnu::always_inline]] inline Answer map_answer(const ToldByChart& told) noexcept {
@@ -203,13 +204,6 @@ Answer query_leaf(const AssetView& asset, const Leaf& leaf, const Vector3& point
   const std::uint32_t* words = words_at(asset.octree, leaf);
   if (words == nullptr) return unanswered(Status::far);
   switch (leaf.kind) {
-    case OctreeKind::polynomial:
-    case OctreeKind::least:
-    case OctreeKind::most: {
-      LeafMaps maps;
-      if (!unpack_leaf_maps(asset, leaf, words, maps)) return unanswered(Status::far);
-      return answer_by_maps(asset, leaf, maps, point);
-    }
     case OctreeKind::map:
       return answer_by_map(asset, words[0], point);
     case OctreeKind::list:
@@ -273,7 +267,7 @@ double box_clearance(const AssetView& asset, const OutsideBox& from, double usef
   double beside = 0;
   if (leaf.kind == OctreeKind::far && leaf.level >= 0) {
     beside = leaf_clearance(asset, leaf, from.nearest, useful);
-  } else if (has_polynomials(leaf.kind) || leaf.kind == OctreeKind::map) {
+  } else if (leaf.kind == OctreeKind::map) {
     const Answer told = query_leaf(asset, leaf, from.nearest);
     if (told.status == Status::exact) {
       const double within = std::min(told.distance, asset.band.margin) - asset.tolerance;

@@ -21,7 +21,7 @@ enum class Status : std::uint8_t {
   return status == Status::exact || status == Status::deep;
 }
 
-enum class Source : std::uint8_t { map, triangles, none, polynomial };
+enum class Source : std::uint8_t { map, triangles, none };
 
 /// Answer of a query at a point.
 struct Answer {
@@ -42,8 +42,8 @@ struct Answer {
 }
 
 /// Signed distance, normal, plane and layer at a point in the asset's frame (metres): the product's
-/// `spm` query. Bounded time: one look-up in the octree, then a polynomial or a list of bounded
-/// length. A NaN or infinite point answers `far`. Never throws,
+/// `spm` query. Bounded time: one look-up in the octree, then a distance map, or two, or a
+/// list of bounded length. A NaN or infinite point answers `far`. Never throws,
 /// allocates or reads outside the views.
 [[nodiscard]] Answer query_point(const AssetView& asset, const Vector3& point) noexcept;
 

@@ -13,15 +13,17 @@ constexpr double certain_share = 1 - 1e-9;
 void QueryCursor::enter(const Vector3& point) noexcept {
   leaf_ = leaf_at(asset_->octree, point);
   inner_ = leaf_.level < 0 ? -1 : certain_share * leaf_.half;
-  by_maps_ = false;
   if (leaf_.kind == OctreeKind::deep) told_ = query_leaf(*asset_, leaf_, point);
-  if (has_polynomials(leaf_.kind)) {
-    const std::uint32_t* words = words_at(asset_->octree, leaf_);
-    by_maps_ = words != nullptr && unpack_leaf_maps(*asset_, leaf_, words, maps_);
-  }
 }
 
-QueriedDistance QueryCursor::tell_leaf(const Vector3& point) noexcept {
+QueriedDistance QueryCursor::distance(const Vector3& point) noexcept {
+  beyond_ = 0;
+  outside_ = outside_box(*asset_, point);
+  if (beyond_field(*asset_, outside_)) {
+    return {std::numeric_limits<double>::quiet_NaN(), Status::far};
+  }
+  if (!within(point)) enter(point);
+  if (leaf_.kind == OctreeKind::deep) return {told_.distance, Status::deep};
   told_ = query_leaf(*asset_, leaf_, point);
   point_ = point;
   if (told_.status != Status::exact) return {told_.distance, told_.status};
@@ -29,7 +31,8 @@ QueriedDistance QueryCursor::tell_leaf(const Vector3& point) noexcept {
   return in_band(*asset_, told_.distance);
 }
 
-double QueryCursor::bend_of_map() const noexcept {
+double QueryCursor::bend() const noexcept {
+  if (leaf_.kind != OctreeKind::map) return 0;
   const std::uint32_t* words = words_at(asset_->octree, leaf_);
   if (words == nullptr) return 0;
   const NamedMaps maps(words[0]);
@@ -40,15 +43,8 @@ double QueryCursor::bend_of_map() const noexcept {
 Answer QueryCursor::query(const Vector3& point) noexcept {
   const QueriedDistance found = distance(point);
   if (!found.known()) return unanswered(found.status);
-  Answer answer;
-  if (by_maps_) {
-    answer.plane = static_cast<std::int32_t>(maps_.of(on_).plane);
-    answer.source = Source::polynomial;
-  } else {
-    answer = told_;
-  }
+  Answer answer = told_;
   answer.distance = found.distance;
-  answer.normal = normal();
   answer.status = found.status;
   return answer;
 }
@@ -58,29 +54,6 @@ double QueryCursor::clearance(const Vector3& point, double useful) const noexcep
   if (beyond_field(*asset_, outside_)) return box_clearance(*asset_, outside_, useful);
   if (leaf_.level >= 0 && leaf_.kind != OctreeKind::far) return beyond_;
   return leaf_clearance(*asset_, leaf_, point, useful);
-}
-
-LocalQuadric QueryCursor::quadric(const Vector3& point) const noexcept {
-  LocalQuadric made;
-  if (leaf_.kind == OctreeKind::deep) {
-    made.distance = told_.distance;
-    made.normal = told_.normal;
-    return made;
-  }
-  const LocalMap& map = maps_.first;
-  const SupportPlane& plane = asset_->planes[map.plane];
-  const Vector3 z = local_coordinates(plane, leaf_.per_half * (point - leaf_.middle));
-  Eigen::Matrix3d axes;
-  axes << plane.u.transpose(), plane.v.transpose(), -plane.n.transpose();
-  Eigen::Matrix3d bend;
-  bend << map.bend[0], map.bend[3] / 2, map.bend[4] / 2,  //
-      map.bend[3] / 2, map.bend[1], map.bend[5] / 2,      //
-      map.bend[4] / 2, map.bend[5] / 2, map.bend[2];
-  made.distance = leaf_.half * map.at(z);
-  made.slope = axes.transpose() * map.gradient(z);
-  made.normal = made.slope.normalized();
-  made.bend = leaf_.per_half * (axes.transpose() * bend * axes);
-  return made;
 }
 
 }  // namespace spm

@@ -13,8 +13,8 @@
 
 namespace spm {
 
-/// A chart of a `sparse` asset: the distance map (eq. 2) of one connected piece of the surface, as
-/// one support plane sees it. A view that owns nothing.
+/// A chart of a `sparse` asset: the distance map (eq. 2) of one connected piece of the surface, or
+/// of its offset surface, as one support plane sees it. A view that owns nothing.
 ///
 /// The height of column i and row j belongs to the plane's point (eq. 1) at eta = (column0 + i)
 /// spacing, omega = (row0 + j) spacing: metres below the chart's base, along the plane's normal,
@@ -32,8 +32,10 @@ struct alignas(64) HeightChart {
   Linear depth;                         ///< S_SP less the base, m
   StoredHeights heights;                ///< from the first on; one more may be read behind the last
   std::uint32_t stride = 0;             ///< from one row to the next
-  std::uint32_t columns = 0, rows = 0;  ///< 3 or more
+  std::uint16_t columns = 0, rows = 0;  ///< 3 or more
   std::uint32_t plane = 0;              ///< row of the plane table
+  /// m, 0 or less: the map is of the offset surface at that signed distance; 0: of the surface.
+  float offset = 0;
 
   /// m, between neighbouring heights.
   [[nodiscard]] double spacing() const noexcept {
@@ -41,11 +43,14 @@ struct alignas(64) HeightChart {
   }
 };
 
+/// Of the slopes of a base, which are between these.
+inline constexpr float base_slope_unit = 1.0F / 16384, max_base_slope = 2;
+
 /// What a chart's heights count from: a plane through the piece of the surface, so that heights are
 /// small numbers, which HALF samples tell more exactly.
 struct ChartBase {
   float depth = 0;                 ///< m below the support plane, at its origin x0
-  float by_eta = 0, by_omega = 0;  ///< how that grows
+  float by_eta = 0, by_omega = 0;  ///< how that grows: whole numbers of base_slope_unit
 
   /// m below the support plane.
   [[nodiscard]] double at(double eta, double omega) const noexcept {

@@ -13,7 +13,7 @@
 namespace spm {
 
 /// The version of the file format that this program writes and reads.
-inline constexpr int asset_format_version = 11;
+inline constexpr int asset_format_version = 12;
 
 enum class AssetForm { sparse, full };
 
@@ -73,6 +73,7 @@ struct ChartData {
   std::int32_t column0 = 0, row0 = 0;
   std::uint32_t columns = 0, rows = 0;  ///< 3 or more, below 65536
   std::uint32_t first = 0;              ///< place of its first height in the atlas
+  bool offset = false;                  ///< of the offset surface (AtlasData::offset)
   ChartBase base;
 };
 
@@ -80,6 +81,7 @@ struct ChartData {
 /// places.
 struct AtlasData {
   double spacing = 0;  ///< m, of level 0
+  double offset = 0;   ///< m: the signed distance at which the offset surface lies, 0 or less
   std::uint32_t width = 0;
   std::vector<float> heights;  ///< m, row by row
   bool halves = false;         ///< stored as HALF samples, which all but unused ones are exactly
@@ -100,7 +102,7 @@ struct OctreeData {
   Vector3 origin = Vector3::Zero();
   double edge = 0;
   std::array<std::uint32_t, 3> roots{0, 0, 0};
-  double value_unit = 1, clearance_unit = 1, reach = 1, beyond_share = 0;
+  double clearance_unit = 1, reach = 1, beyond_share = 0;
   std::vector<std::uint32_t> root_words, words, lists;
   Vector3 lattice_origin = Vector3::Zero();  ///< of the exact triangles' corners
   double lattice_step = 1;
@@ -115,7 +117,6 @@ struct OctreeData {
                    .root_words = root_words,
                    .words = words,
                    .lists = lists,
-                   .value_unit = value_unit,
                    .clearance_unit = clearance_unit,
                    .reach = reach,
                    .beyond_share = beyond_share};

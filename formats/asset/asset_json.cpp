@@ -70,7 +70,6 @@ Json octree_json(const AssetDescription& description) {
           {"roots", octree.roots},
           {"words", description.octree_words},
           {"lists", description.octree_lists},
-          {"value_unit", octree.value_unit},
           {"clearance_unit", octree.clearance_unit},
           {"reach", octree.reach},
           {"beyond_share", octree.beyond_share}};
@@ -93,7 +92,8 @@ void add_surfaces(const AssetDescription& description, Json& json) {
   } else {
     json["atlas"] = {{"charts", description.atlas_charts},
                      {"width", description.atlas.width},
-                     {"spacing", description.atlas.spacing}};
+                     {"spacing", description.atlas.spacing},
+                     {"offset", description.atlas.offset}};
   }
   if (metadata.form == AssetForm::full) json["triangles"] = description.triangles;
 }
@@ -201,7 +201,6 @@ void read_octree(JsonFields& fields, AssetDescription& description) {
   }
   description.octree_words = octree.integer("words", 0, max_words);
   description.octree_lists = octree.integer("lists", 0, max_words);
-  data.value_unit = octree.number("value_unit", min_length);
   data.clearance_unit = octree.number("clearance_unit", min_length);
   data.reach = octree.number("reach", min_length);
   // Assets of earlier programs promise nothing.
@@ -230,6 +229,7 @@ void read_atlas(JsonFields atlas, AssetDescription& description) {
   description.atlas.width = static_cast<std::uint32_t>(
       atlas.integer("width", none ? 0 : 4, none ? 0 : max_samples_a_side));
   description.atlas.spacing = atlas.number("spacing", none ? 0 : min_length);
+  description.atlas.offset = atlas.number("offset", -JsonFields::greatest, 0);
 }
 
 void read_planes(JsonFields& fields, AssetDescription& description, std::string& problem) {
@@ -273,7 +273,6 @@ AssetDescription describe(const Asset& asset) {
   description.octree = {.origin = octree.origin,
                         .edge = octree.edge,
                         .roots = octree.roots,
-                        .value_unit = octree.value_unit,
                         .clearance_unit = octree.clearance_unit,
                         .reach = octree.reach,
                         .beyond_share = octree.beyond_share,
@@ -296,6 +295,7 @@ AssetDescription describe(const Asset& asset) {
   }
   if (!asset.atlas.charts.empty()) {
     description.atlas.spacing = asset.atlas.spacing;
+    description.atlas.offset = asset.atlas.offset;
     description.atlas.width = asset.atlas.width;
   }
   description.atlas_charts = static_cast<std::uint32_t>(asset.atlas.charts.size());

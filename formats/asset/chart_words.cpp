@@ -6,16 +6,32 @@
 
 namespace spm {
 
+namespace {
+
+constexpr std::uint32_t offset_bit = 1U << 31U;
+
+std::uint32_t halves(std::int32_t low, std::int32_t high) {
+  return (static_cast<std::uint32_t>(low) & 0xFFFFU) | static_cast<std::uint32_t>(high) << 16U;
+}
+std::int16_t low_of(std::uint32_t word) { return static_cast<std::int16_t>(word & 0xFFFFU); }
+std::int16_t high_of(std::uint32_t word) { return static_cast<std::int16_t>(word >> 16U); }
+
+std::int32_t steps(float slope) {
+  return static_cast<std::int32_t>(std::lround(slope / base_slope_unit));
+}
+
+bool fits(std::int64_t number) { return number == static_cast<std::int16_t>(number); }
+
+}  // namespace
+
 std::vector<std::uint32_t> words_of(const std::vector<ChartData>& charts) {
   std::vector<std::uint32_t> words;
   words.reserve(charts.size() * chart_word_count);
   for (const ChartData& chart : charts) {
-    words.insert(words.end(),
-                 {chart.plane | chart.level << 16U, static_cast<std::uint32_t>(chart.column0),
-                  static_cast<std::uint32_t>(chart.row0), chart.columns | chart.rows << 16U,
-                  chart.first, std::bit_cast<std::uint32_t>(chart.base.depth),
-                  std::bit_cast<std::uint32_t>(chart.base.by_eta),
-                  std::bit_cast<std::uint32_t>(chart.base.by_omega)});
+    words.insert(words.end(), {chart.plane | chart.level << 16U | (chart.offset ? offset_bit : 0U),
+                               halves(chart.column0, chart.row0), chart.columns | chart.rows << 16U,
+                               chart.first, std::bit_cast<std::uint32_t>(chart.base.depth),
+                               halves(steps(chart.base.by_eta), steps(chart.base.by_omega))});
   }
   return words;
 }
@@ -26,9 +42,10 @@ HeightChart chart_over(const ChartData& data, const SupportPlane& plane, const A
                                data.column0, data.row0, data.base);
   chart.heights = heights.from(data.first);
   chart.stride = atlas.width;
-  chart.columns = data.columns;
-  chart.rows = data.rows;
+  chart.columns = static_cast<std::uint16_t>(data.columns);
+  chart.rows = static_cast<std::uint16_t>(data.rows);
   chart.plane = data.plane;
+  chart.offset = data.offset ? static_cast<float>(atlas.offset) : 0;
   return chart;
 }
 
@@ -39,9 +56,14 @@ std::string chart_problem(const ChartData& chart, std::size_t planes, std::uint3
   }
   if (chart.level >= max_chart_levels) return "has a level that does not exist";
   const ChartBase& base = chart.base;
-  if (!std::isfinite(base.depth) || !std::isfinite(base.by_eta) || !std::isfinite(base.by_omega)) {
-    return "has a base that is no plane";
+  const auto is_stored = [](float slope) {
+    return std::abs(slope) < max_base_slope &&
+           base_slope_unit * static_cast<float>(steps(slope)) == slope;
+  };
+  if (!std::isfinite(base.depth) || !is_stored(base.by_eta) || !is_stored(base.by_omega)) {
+    return "has a base that is no plane, or is not stored";
   }
+  if (!fits(chart.column0) || !fits(chart.row0)) return "begins too far from its plane's origin";
   if (chart.columns < 3 || chart.rows < 3 || chart.columns > width || chart.columns > 0xFFFFU ||
       chart.rows > 0xFFFFU) {
     return "has a size that no chart has";
@@ -59,14 +81,15 @@ std::vector<ChartData> read_charts(std::span<const std::uint32_t> words) {
     const std::uint32_t* own = words.data() + at;
     ChartData& chart = charts.emplace_back();
     chart.plane = own[0] & 0xFFFFU;
-    chart.level = own[0] >> 16U;
-    chart.column0 = static_cast<std::int32_t>(own[1]);
-    chart.row0 = static_cast<std::int32_t>(own[2]);
-    chart.columns = own[3] & 0xFFFFU;
-    chart.rows = own[3] >> 16U;
-    chart.first = own[4];
-    chart.base = {std::bit_cast<float>(own[5]), std::bit_cast<float>(own[6]),
-                  std::bit_cast<float>(own[7])};
+    chart.level = (own[0] & ~offset_bit) >> 16U;
+    chart.offset = (own[0] & offset_bit) != 0;
+    chart.column0 = low_of(own[1]);
+    chart.row0 = high_of(own[1]);
+    chart.columns = own[2] & 0xFFFFU;
+    chart.rows = own[2] >> 16U;
+    chart.first = own[3];
+    chart.base = {std::bit_cast<float>(own[4]), base_slope_unit * low_of(own[5]),
+                  base_slope_unit * high_of(own[5])};
   }
   return charts;
 }

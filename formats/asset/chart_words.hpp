@@ -13,13 +13,14 @@
 namespace spm {
 
 // The data of a chart beside its heights, as chart_word_count words of the part `grid_maps`:
-//   0: bits 0-15 the plane, 16-23 the level;
-//   1, 2: column0 and row0, signed;
-//   3: columns, and rows in the high half;
-//   4: the place of the first height;
-//   5, 6, 7: the base's depth, by_eta and by_omega, floats.
+//   0: bits 0-15 the plane, 16-23 the level, 31 whether it is of the offset surface;
+//   1: column0, and row0 in the high half, signed;
+//   2: columns, and rows in the high half;
+//   3: the place of the first height;
+//   4: the base's depth, a float;
+//   5: its by_eta, and by_omega in the high half, signed, in units of base_slope_unit.
 
-inline constexpr std::uint32_t chart_word_count = 8;
+inline constexpr std::uint32_t chart_word_count = 6;
 inline constexpr std::uint32_t max_chart_planes = 1U << 16U, max_chart_levels = 32;
 
 [[nodiscard]] std::vector<std::uint32_t> words_of(const std::vector<ChartData>& charts);

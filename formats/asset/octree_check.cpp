@@ -6,14 +6,10 @@
 #include <string_view>
 #include <vector>
 
-#include "common/field/local_map.hpp"
 #include "common/field/triangle_list.hpp"
 
 namespace spm {
 namespace {
-
-/// Beyond this exponent a polynomial of any use does not bend.
-constexpr std::uint32_t max_bend_exponent = bend_exponent_bias + 16;
 
 /// A cube whose words are still to be checked.
 struct Cube {
@@ -66,9 +62,6 @@ class OctreeCheck {
       case OctreeKind::split:
       case OctreeKind::list:
       case OctreeKind::map:
-      case OctreeKind::polynomial:
-      case OctreeKind::least:
-      case OctreeKind::most:
         break;
       default:
         return "is of no kind";
@@ -97,11 +90,6 @@ class OctreeCheck {
         return list_problem(words);
       case OctreeKind::map:
         return chart_problem(NamedMaps(words[0]));
-      case OctreeKind::least:
-      case OctreeKind::most:
-        return pair_problem(words[0]);
-      case OctreeKind::polynomial:
-        return map_problem(words);
       default:
         return {};
     }
@@ -144,23 +132,6 @@ class OctreeCheck {
     if (maps.first >= asset_.charts.size() || maps.second_from_one > asset_.charts.size() ||
         (!maps.two() && (maps.pair.larger || maps.pair.edge))) {
       return "names a distance map that does not exist";
-    }
-    return {};
-  }
-
-  [[nodiscard]] std::string_view pair_problem(std::size_t first) {
-    if (std::string_view found = take(first, 2 * local_map_words); !found.empty()) return found;
-    const std::uint32_t* words = asset_.octree.words.data() + first;
-    const std::string_view found = map_problem(words);
-    return found.empty() ? map_problem(words + local_map_words) : found;
-  }
-
-  [[nodiscard]] std::string_view map_problem(const std::uint32_t* words) const {
-    if (words[3] >> 24U >= asset_.planes.size()) {
-      return "has a polynomial in the frame of a plane that does not exist";
-    }
-    if ((words[3] >> 16U & 0xFFU) > max_bend_exponent) {
-      return "has a polynomial that is not of the size of a distance";
     }
     return {};
   }

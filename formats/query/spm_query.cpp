@@ -56,8 +56,6 @@ int32_t source_code(spm::Source source) noexcept {
       return SPM_QUERY_TILE;
     case spm::Source::triangles:
       return SPM_QUERY_TRIANGLES;
-    case spm::Source::polynomial:
-      return SPM_QUERY_POLYNOMIAL;
     case spm::Source::none:
       return SPM_QUERY_NONE;
   }

@@ -36,8 +36,7 @@ enum spm_query_status {
 enum spm_query_source {
   SPM_QUERY_TILE = 0, /**< a distance map, or the one of two that counts */
   SPM_QUERY_TRIANGLES = 1,
-  SPM_QUERY_NONE = 2,
-  SPM_QUERY_POLYNOMIAL = 3
+  SPM_QUERY_NONE = 2
 };
 
 enum spm_query_method {

@@ -354,7 +354,7 @@ class Bake(Case):
                 self.assertAlmostEqual(float(row["distance"]), exact, delta=TOLERANCE + 200e-6)
                 normal = [float(row[key]) for key in ("nx", "ny", "nz")]
                 self.assertAlmostEqual(math.hypot(*normal), 1, places=9)
-                self.assertIn(row["source"], ("map", "two-maps", "polynomial", "triangles"))
+                self.assertIn(row["source"], ("map", "two-maps", "triangles"))
                 self.assertEqual(int(row["plane"]) == -1, row["source"] == "triangles")
         self.assertEqual([row["status"] for row in rows],
                          ["exact", "deep", "exact", "far", "exact", "exact"])

@@ -17,7 +17,7 @@ const CAPTIONS = {
   'surface.png': 'The mesh, and beside it the surface as the asset holds it.',
   'taken.png': 'What the mesh is taken for, from two sides: grey solids, orange lids that close holes, '
     + 'blue sheets, which are felt from both sides.',
-  'structure.png': 'What answers where, on the surface and in a cut: blue one map or polynomial, green '
+  'structure.png': 'What answers where, on the surface and in a cut: blue one map, green '
     + 'two, yellow up to eight triangles, red more, grey deeper than the band, violet left out.',
   'direction.png': 'Errors of directions an eighth of the band inside, whole and close: dark blue none, '
     + 'pale yellow 15 degrees, red more, grey not judged.',
@@ -79,8 +79,6 @@ function showKept({ asset, build }) {
   if (octree) {
     lines.push(['cubes with one distance map', count(octree.maps)],
       ['cubes with two', count(octree.pairs_of_maps)],
-      ['cubes with one polynomial', count(octree.polynomials)],
-      ['cubes with two polynomials', count(octree.pairs_of_polynomials)],
       ['cubes with triangles', count(octree.lists)], ['exact triangles', count(octree.triangles)]);
   }
   if (build?.fallback) lines.push(['answers from triangles', share(build.fallback.answers)]);

@@ -42,7 +42,6 @@ class Source(enum.IntEnum):
     TILE = 0
     TRIANGLES = 1
     NONE = 2
-    POLYNOMIAL = 3
 
 
 class Method(enum.IntEnum):

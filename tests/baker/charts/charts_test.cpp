@@ -10,6 +10,7 @@
 #include "baker/charts/atlas.hpp"
 #include "baker/charts/chart_field.hpp"
 #include "baker/charts/chart_heights.hpp"
+#include "baker/charts/chart_hits.hpp"
 #include "baker/charts/plane_charts.hpp"
 #include "baker/planes/hull.hpp"
 #include "baker/planes/planes.hpp"
@@ -23,6 +24,7 @@ namespace {
 
 struct Charted {
   OuterSurface surface;
+  Caster caster;
   std::vector<SupportPlane> planes;
   PlaneCharts charts;
   ChartHeights heights;
@@ -30,10 +32,16 @@ struct Charted {
   explicit Charted(const test::Shape& shape, double spacing = 1e-3, double reach = 3e-3,
                    bool halves = false)
       : surface(test::surface_of(shape)),
+        caster(surface),
         planes(vertex_based_planes(convex_hull(shape.vertices), 20)),
         charts(surface, planes, reach),
-        heights(surface, planes, charts,
-                {.coarsest = spacing, .curved = 0, .levels = 3, .halves = halves}) {}
+        heights(caster, surface, planes, charts,
+                {.coarsest = spacing,
+                 .curved = 0,
+                 .levels = 3,
+                 .halves = halves,
+                 .offset = -2e-3,
+                 .offset_levels = 3}) {}
 
   [[nodiscard]] Vector3 normal(std::uint32_t triangle) const {
     const auto& t = surface.triangles[triangle];
@@ -70,9 +78,8 @@ std::vector<CoveredCube> covered_cubes(const Charted& made, std::size_t count) {
     const auto& numbers = made.surface.triangles[t];
     const Vector3 middle =
         made.surface.vertices[numbers[0]] + 1e-3 * (2 * random_unit(6, i) - 1.5) * made.normal(t);
-    if (ChartField(made.heights, chart, level).covers(middle, half)) {
-      cubes.push_back({{chart, level}, middle, half});
-    }
+    const ChartAtLevel at{chart, level, random_unit(5, i) < 0.3};
+    if (ChartField(made.heights, at).covers(middle, half)) cubes.push_back({at, middle, half});
   }
   return cubes;
 }
@@ -126,7 +133,7 @@ TEST_CASE("Heights of a flat face are its depth below the plane, past its border
     const std::uint32_t t = known.triangles.front();
     const Vector3 normal = made.normal(t),
                   corner = made.surface.vertices[made.surface.triangles[t][0]];
-    const HeightGrid& grid = made.heights.of(chart, 1);
+    const HeightGrid& grid = made.heights.of({chart, 1});
     CHECK(grid.spacing == 5e-4);
     std::size_t told = 0;
     for (std::uint32_t row = 0; row < grid.rows; ++row) {
@@ -150,16 +157,76 @@ TEST_CASE(
   const test::Shape box = test::box({0.02, 0.01, 0.03}), bent = rough(test::sphere(0.02, 3), 0.01);
   for (const bool flat : {true, false}) {
     const OuterSurface surface = test::surface_of(flat ? box : bent);
+    const Caster caster(surface);
     const std::vector<SupportPlane> planes =
         vertex_based_planes(convex_hull(flat ? box.vertices : bent.vertices), 20);
     const PlaneCharts charts(surface, planes, 3e-3);
-    const ChartHeights heights(surface, planes, charts,
-                               {.coarsest = 0.016, .curved = 4, .levels = 6, .flat_within = 1e-7});
+    const ChartHeights heights(caster, surface, planes, charts,
+                               {.coarsest = 0.016,
+                                .curved = 4,
+                                .levels = 6,
+                                .flat_within = 1e-7,
+                                .offset = -1e-3,
+                                .offset_levels = 5});
     for (std::uint32_t chart = 0; chart < charts.charts().size(); ++chart) {
       if (charts.charts()[chart].triangles.size() < 2) continue;
-      CHECK(heights.first_level(chart) == (flat ? 0 : 4));
-      CHECK(heights.end_level(chart) == (flat ? 1 : 6));
-      if (flat) CHECK(heights.of(chart, 0).heights.size() <= 144);
+      CHECK(heights.first_level(chart, false) == (flat ? 0 : 4));
+      CHECK(heights.end_level(chart, false) == (flat ? 1 : 6));
+      CHECK(heights.first_level(chart, true) == 4);
+      CHECK(heights.end_level(chart, true) == 5);
+      if (flat) CHECK(heights.of({.chart = chart}).heights.size() <= 144);
+    }
+  }
+}
+
+TEST_CASE("Deep in a rough ball the offset surface tells the distance better than the surface") {
+  const Charted made(rough(test::sphere(0.02, 4), 2e-3), 2e-3, 6e-3);
+  std::array<double, 2> sum{};
+  std::size_t count = 0;
+  for (std::uint32_t t = 0; t < made.surface.solid_count; t += 7) {
+    const Vector3 foot = made.surface.vertices[made.surface.triangles[t][0]];
+    const Vector3 place = foot * (1 - 2e-3 / foot.norm());
+    for (const std::uint32_t chart : made.charts.charts_of(t)) {
+      const ChartField of_surface(made.heights, {.chart = chart, .level = 1});
+      const ChartField of_offset(made.heights, {.chart = chart, .level = 1, .offset = true});
+      if (!of_surface.covers(place, 1e-5) || !of_offset.covers(place, 1e-5)) continue;
+      const double truth = made.caster.closest(place).distance;
+      Vector3 normal;
+      sum[0] += std::abs(of_surface.at(place, normal) - truth);
+      sum[1] += std::abs(of_offset.at(place, normal) - truth);
+      ++count;
+    }
+  }
+  REQUIRE(count > 100);
+  CHECK(sum[1] < 0.7 * sum[0]);
+  CHECK(sum[1] < 2e-5 * static_cast<double>(count));
+}
+
+TEST_CASE("Hits of an offset surface lie on it, and go on past the chart") {
+  const Charted ball(test::sphere(0.02, 5), 2e-3, 1e-3);
+  const PlaneChart& chart = ball.charts.charts()[0];
+  const SupportPlane& plane = ball.heights.plane(0);
+  ChartHits on(ball.surface, plane, chart, 1e-3), below(ball.surface, plane, chart, 1e-3);
+  below.go_to_offset(ball.caster, chart, -4e-3);
+  const auto count = [](const ChartHits& hits) {
+    std::size_t found = 0;
+    for (std::uint32_t row = 0; row < hits.rows; ++row) {
+      for (std::uint32_t column = 0; column < hits.columns; ++column) {
+        found += std::isnan(hits.at(column, row)) ? 0U : 1U;
+      }
+    }
+    return found;
+  };
+  CHECK(count(below) > count(on) + 10);
+  for (std::uint32_t row = 0; row < below.rows; ++row) {
+    for (std::uint32_t column = 0; column < below.columns; ++column) {
+      const double depth = static_cast<double>(below.at(column, row));
+      if (std::isnan(depth)) continue;
+      const Vector3 place =
+          support_plane_point(plane, 1e-3 * (below.column0 + static_cast<double>(column)),
+                              1e-3 * (below.row0 + static_cast<double>(row))) -
+          depth * plane.n;
+      CHECK(ball.caster.closest(place).distance == Approx(-4e-3).margin(1e-6));
     }
   }
 }
@@ -171,10 +238,10 @@ TEST_CASE("A chart of a ball tells the distance to it, the better the finer it i
   for (const CoveredCube& cube : covered_cubes(made, 500)) {
     const Vector3& place = cube.middle;
     Vector3 normal;
-    const double told = ChartField(made.heights, cube.at.chart, cube.at.level).at(place, normal);
+    const double told = ChartField(made.heights, cube.at).at(place, normal);
     const double truth = place.norm() - 0.02;
     CHECK(normal.normalized().dot(place.normalized()) > 0.97);
-    if (std::abs(truth) > 2e-4) continue;
+    if (cube.at.offset || std::abs(truth) > 2e-4) continue;
     ++judged;
     most[cube.at.level] = std::max(most[cube.at.level], std::abs(told - truth));
   }
@@ -191,7 +258,7 @@ TEST_CASE("Nowhere in a cube does a chart leave its bounds") {
     const std::vector<CoveredCube> cubes = covered_cubes(made, 400);
     REQUIRE(cubes.size() > 100);
     for (const CoveredCube& cube : cubes) {
-      const ChartField field(made.heights, cube.at.chart, cube.at.level);
+      const ChartField field(made.heights, cube.at);
       const FieldBound bound = field.about(cube.middle, cube.half);
       Vector3 normal;
       CHECK(bound.near.value == Approx(field.at(cube.middle, normal)).margin(1e-12));
@@ -211,7 +278,7 @@ TEST_CASE("What a query tells of a chart is what was bounded, to the rounding of
   Atlas atlas(made.heights);
   for (const CoveredCube& cube : cubes) atlas.need(cube.at, cube.middle, cube.half);
   std::vector<SupportPlane> planes;
-  const AtlasData data = atlas.lay_out(0, planes);
+  const AtlasData data = atlas.lay_out(planes);
   std::vector<HeightChart> charts;
   for (const ChartData& chart : data.charts) {
     REQUIRE(chart_problem(chart, planes.size(), data.width, data.heights.size()).empty());
@@ -219,7 +286,7 @@ TEST_CASE("What a query tells of a chart is what was bounded, to the rounding of
         chart_over(chart, planes[chart.plane], data, std::span<const float>(data.heights)));
   }
   for (const CoveredCube& cube : cubes) {
-    const ChartField field(made.heights, cube.at.chart, cube.at.level);
+    const ChartField field(made.heights, cube.at);
     const HeightChart& chart = charts[atlas.number(cube.at, cube.middle, cube.half)];
     for (std::uint64_t i = 0; i < 30; ++i) {
       const Vector3 place = place_in(cube, i);
@@ -227,7 +294,9 @@ TEST_CASE("What a query tells of a chart is what was bounded, to the rounding of
       const double bounded = field.at(place, normal);
       MapContact contact;
       REQUIRE(contact_on(chart, place, contact));
-      CHECK(-contact.penetration / contact.normal.norm() == Approx(bounded).margin(5e-9));
+      const double told =
+          static_cast<double>(chart.offset) - contact.penetration / contact.normal.norm();
+      CHECK(told == Approx(bounded).margin(5e-9));
       CHECK((contact.normal - normal).norm() < 1e-4);
     }
   }
@@ -240,8 +309,7 @@ TEST_CASE("In the picture no height belongs to two charts, and little of it is e
   std::set<std::pair<ChartAtLevel, std::pair<std::int64_t, std::int64_t>>> wanted;
   for (const CoveredCube& cube : cubes) {
     atlas.need(cube.at, cube.middle, cube.half);
-    const HeightRange range =
-        ChartField(made.heights, cube.at.chart, cube.at.level).range_over(cube.middle, cube.half);
+    const HeightRange range = ChartField(made.heights, cube.at).range_over(cube.middle, cube.half);
     for (std::int64_t row = range.row_from; row <= range.row_to; ++row) {
       for (std::int64_t column = range.column_from; column <= range.column_to; ++column) {
         wanted.insert({cube.at, {column, row}});
@@ -249,7 +317,7 @@ TEST_CASE("In the picture no height belongs to two charts, and little of it is e
     }
   }
   std::vector<SupportPlane> planes;
-  const AtlasData data = atlas.lay_out(0, planes);
+  const AtlasData data = atlas.lay_out(planes);
   CHECK(planes.size() <= made.planes.size());
   CHECK(data.heights.size() % data.width == 0);
   CHECK(data.heights.size() >= wanted.size());

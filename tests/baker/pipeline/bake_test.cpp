@@ -85,37 +85,12 @@ TEST_CASE("A coarser tolerance costs no more bytes") {
   }
 }
 
-TEST_CASE("Where maps take more bytes than there are, polynomials answer alone") {
-  test::Shape uneven = test::sphere(0.015, 4);
-  for (std::uint64_t i = 0; i < uneven.vertices.size(); ++i) {
-    uneven.vertices[i] *= 1 + 5e-3 * random_unit(3, i);
-  }
-  const Mesh mesh = test::mesh_of(uneven);
-  BakeOptions options;
-  options.tolerance = 100e-6;
-  const Asset usual = bake(mesh, options).asset;
-  REQUIRE_FALSE(usual.atlas.charts.empty());
-  bool alone = false;
-  for (const double share : {0.95, 0.9, 0.85, 0.8, 0.75, 0.7}) {
-    options.max_bytes = static_cast<std::uint64_t>(share * bytes_of(usual));
-    try {
-      const Asset fewer = bake(mesh, options).asset;
-      CHECK(bytes_of(fewer) < bytes_of(usual));
-      alone = alone || fewer.atlas.charts.empty();
-    } catch (const BakeError& error) {
-      CHECK(error.code() == ExitCode::tolerance_not_met);
-    }
-  }
-  CHECK(alone);
-}
-
 TEST_CASE("A box is answered by few heights on its faces") {
   const BakeResult baked = bake(test::mesh_of(test::box({0.02, 0.03, 0.04})), {});
   const SharesOfPlaces shares = shares_of_places(tables_of(baked.asset).view());
   for (const AnswerShares& of : {shares.band, shares.surface}) {
-    CHECK(of.one_map + of.two_maps + of.polynomials + of.triangles == Approx(1));
+    CHECK(of.one_map + of.two_maps + of.triangles == Approx(1));
     CHECK(of.one_map + of.two_maps > 0.2);
-    CHECK(of.polynomials < 0.05);
   }
   CHECK(baked.asset.atlas.heights.size() < 2000);
 }
@@ -137,7 +112,6 @@ TEST_CASE("The shares of answers are those of places drawn at random") {
     const auto count = [&answer](AnswerShares& of, double& all) {
       ++all;
       of.one_map += answer.source == Source::map ? 1 : 0;
-      of.polynomials += answer.source == Source::polynomial ? 1 : 0;
       of.triangles += answer.source == Source::triangles ? 1 : 0;
     };
     count(band, in_band);
@@ -145,7 +119,6 @@ TEST_CASE("The shares of answers are those of places drawn at random") {
   }
   REQUIRE(at_surface > 5000);
   CHECK(shares.band.one_map + shares.band.two_maps == Approx(band.one_map / in_band).margin(0.01));
-  CHECK(shares.band.polynomials == Approx(band.polynomials / in_band).margin(0.01));
   CHECK(shares.band.triangles == Approx(band.triangles / in_band).margin(0.01));
   CHECK(shares.surface.one_map + shares.surface.two_maps ==
         Approx(surface.one_map / at_surface).margin(0.03));

@@ -168,12 +168,7 @@ TEST_CASE("The colours of a structure picture are those of the leaves that answe
     if (source == Source::none || same(here, {1, 1, 1})) continue;
     const bool maps = lit(here, colours::one_map) || lit(here, colours::two_maps);
     const bool list = lit(here, colours::list) || lit(here, colours::long_list);
-    const bool polynomial = lit(here, colours::polynomial);
-    wrong += (source == Source::map          ? maps
-              : source == Source::polynomial ? polynomial
-                                             : list)
-                 ? 0
-                 : 1;
+    wrong += (source == Source::map ? maps : list) ? 0 : 1;
     kinds |= source == Source::map ? 1 : source == Source::triangles ? 2 : 0;
     borders += same(here, colours::one_map) || !lit(here, colours::one_map) ? 0 : 1;
   }

@@ -11,7 +11,7 @@
 #include <vector>
 
 #include "common/base/octant.hpp"
-#include "common/field/local_map.hpp"
+#include "tests/common/support/mapped_cube.hpp"
 #include "tests/support/asset_by_hand.hpp"
 #include "tests/support/octree_by_hand.hpp"
 
@@ -26,27 +26,20 @@ constexpr RuntimeSmoothing sharp{};
 
 /// The upper half of a cube whose top is of two patches that do not meet: beyond x = 0 it lies 60
 /// um lower, within the tolerance.
-class BrokenCube : public test::SparseCubeByHand {
+class BrokenCube : public test::MappedCube {
  public:
-  BrokenCube() : SparseCubeByHand(size) {
+  BrokenCube() : MappedCube(size) {
     constexpr std::uint32_t top = 4;
     REQUIRE(planes[top].n == Vector3::UnitZ());
-    octree.value_unit = 1e-6;
+    const std::uint32_t high = add_map(top),
+                        low = add_map(top, [](const Vector3&) { return 60e-6; });
     octree.root_words = {test::root_word(OctreeKind::split, 0)};
-    octree.words = {2, test::octant_kinds(OctreeKind::polynomial)};
-    const double middle = octree.edge / 4;  // of an upper octant, above that of the cube
+    octree.words = {2, test::octant_kinds(OctreeKind::map)};
     for (std::uint32_t octant = 0; octant < 8; ++octant) {
-      LocalMap map;
-      const double z = is_upper(octant, 2) ? middle : -middle;
-      map.value = (z - half + (is_upper(octant, 0) ? 60e-6 : 0)) / middle;
-      map.slope = -Vector3::UnitZ();
-      map.plane = top;
-      PackedLocalMap packed;
-      REQUIRE(pack_local_map(map, octree.value_unit / middle, packed));
-      octree.words.insert(octree.words.end(), packed.words.begin(), packed.words.end());
+      octree.words.push_back(word_of_map(is_upper(octant, 0) ? low : high));
     }
     view.tolerance = 1e-4;
-    refresh();
+    show();
   }
 };
 

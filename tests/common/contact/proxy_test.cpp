@@ -7,11 +7,10 @@
 #include <numbers>
 #include <random>
 
-#include "common/field/local_map.hpp"
 #include "common/query/query.hpp"
+#include "common/surface/support_plane_mapping.hpp"
+#include "tests/common/support/mapped_cube.hpp"
 #include "tests/servo/support/shape_asset.hpp"
-#include "tests/support/asset_by_hand.hpp"
-#include "tests/support/octree_by_hand.hpp"
 #include "tests/support/shapes.hpp"
 
 namespace spm::proxy_test {
@@ -256,19 +255,16 @@ TEST_CASE("A proxy that is behind catches up by no more in a tick than it may") 
         Approx(proxy_catch_up + proxy_catch_up_share * 0.0004).epsilon(1e-3));
 }
 
-TEST_CASE("A proxy is lifted out of a field that tells half of each depth, in up to eight steps") {
-  test::SparseCubeByHand cube(0.04);
-  LocalMap map;
-  map.slope = {0, 0, -0.5};
-  map.plane = 4;  // +z
-  PackedLocalMap packed;
-  cube.octree.value_unit = 1e-6;
-  REQUIRE(pack_local_map(map, 2 * cube.octree.value_unit / cube.octree.edge, packed));
-  cube.octree.root_words = {test::root_word(OctreeKind::polynomial, 0)};
-  cube.octree.words = {packed.words.begin(), packed.words.end()};
-  cube.refresh();
+TEST_CASE("A proxy is lifted out of two walls in turn, in up to eight steps") {
+  test::MappedCube cube(0.04);
+  // A groove along y, whose walls are 60 degrees apart: what takes the proxy out of one takes it
+  // into the other, half as deep.
+  cube.planes = {plane_with_normal(Vector3::Zero(), Vector3(std::sqrt(0.75), 0, 0.5)),
+                 plane_with_normal(Vector3::Zero(), Vector3(-std::sqrt(0.75), 0, 0.5))};
+  const std::uint32_t right = cube.add_map(0), left = cube.add_map(1);
+  cube.fill_with_maps(word_of_maps(right, left, {}));
   REQUIRE(query_point(cube.view, {0, 0, -1e-4}).distance == Approx(-5e-5));
-  // Each lift halves it: from 0.1 mm six of them leave less than the rounding of a query.
+  // Seven halvings leave a 128th of the first such depth.
   const auto is_lifted_from = [&](double depth) {
     ProxyState state{true, {0, 0, -depth}, {0, 0, -depth}, true};
     static_cast<void>(move_proxy(cube.view, 0, {0, 0, -depth}, state));

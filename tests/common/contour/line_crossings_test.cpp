@@ -47,7 +47,7 @@ TEST_CASE("A line through a ball meets it where it enters and where it leaves") 
 /// below x = 0 the surface is flat across x at `below`, in the others at `above`; the solid is
 /// below it.
 struct TwoMaps {
-  static constexpr std::uint32_t side = 8;
+  static constexpr std::uint16_t side = 8;
   std::vector<float> heights[2];
   std::vector<HeightChart> charts;
   std::vector<SupportPlane> planes{plane_with_normal(Vector3::Zero(), Vector3::UnitX())};

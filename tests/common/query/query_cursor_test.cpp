@@ -1,19 +1,22 @@
 // SPDX-License-Identifier: Apache-2.0
 #include "common/query/query_cursor.hpp"
 
+#include <algorithm>
+#include <array>
 #include <bit>
 #include <catch2/catch.hpp>
 #include <cmath>
 #include <cstdint>
-#include <vector>
 
 #include "common/base/random.hpp"
+#include "tests/common/support/mapped_cube.hpp"
 #include "tests/support/asset_by_hand.hpp"
 #include "tests/support/octree_by_hand.hpp"
 
 namespace spm::query_cursor_test {
 namespace {
 
+using test::MappedCube;
 using test::SparseCubeByHand;
 
 constexpr double size = 0.04;
@@ -85,19 +88,43 @@ TEST_CASE("A cursor tells how far the surface is at the least as single places d
   CHECK(beyond > 100);
 }
 
+TEST_CASE("A cursor that goes from map to map answers as single queries do, bit by bit") {
+  MappedCube cube(size, {.max_depth = 0.01, .margin = 0.005});
+  const std::array<std::uint32_t, 3> maps{
+      cube.add_map(4), cube.add_offset_map(4, -0.001F),
+      cube.add_map(0, [](const Vector3& at) { return 5 * at.y() * at.y(); })};
+  cube.octree.root_words = {test::root_word(OctreeKind::split, 0)};
+  cube.octree.words = {2,
+                       test::octant_kinds(OctreeKind::map, {{0, OctreeKind::pruned}}),
+                       word_of_map(maps[2]),
+                       word_of_map(maps[0]),
+                       word_of_maps(maps[1], maps[2], {.larger = true, .edge = true}),
+                       word_of_maps(maps[0], maps[2], {}),
+                       word_of_map(maps[0]),
+                       word_of_map(maps[1]),
+                       word_of_maps(maps[2], maps[0], {.larger = true})};
+  cube.show();
+  QueryCursor cursor;
+  cursor.begin(&cube.view);
+  Random random(6);
+  Vector3 place = Vector3::Zero();
+  int exact = 0;
+  for (int step = 0; step < 8000; ++step) {
+    for (int axis = 0; axis < 3; ++axis) {
+      place[axis] = std::clamp(place[axis] + random.between(-1e-3, 1e-3), -size / 2, size / 2);
+    }
+    const Answer answer = query_point(cube.view, place);
+    REQUIRE(same_bits(cursor.query(place), answer));
+    exact += answer.status == Status::exact ? 1 : 0;
+  }
+  CHECK(exact > 500);
+}
+
 TEST_CASE(
     "Seen from outside its box a surface is told to be no nearer than the field's error allows") {
-  SparseCubeByHand cube(size);
-  cube.octree.value_unit = 1e-6;
-  const double cube_half = cube.octree.edge / 2;
-  LocalMap map;
-  map.value = 3e-4 / cube_half;  // within the margin of 0.5 mm, everywhere
-  map.plane = 1;
-  PackedLocalMap packed;
-  REQUIRE(pack_local_map(map, cube.octree.value_unit / cube_half, packed));
-  cube.octree.root_words = {test::root_word(OctreeKind::polynomial, 0)};
-  cube.octree.words = {packed.words.begin(), packed.words.end()};
-  cube.refresh();
+  MappedCube cube(size);
+  // Within the margin of 0.5 mm everywhere on the face at +z.
+  cube.fill_with_maps(word_of_map(cube.add_map(4, [](const Vector3&) { return 3e-4; })));
   cube.view.tolerance = 1e-4;
   cube.view.box_low = Vector3::Constant(-size / 2);
   cube.view.box_high = Vector3::Constant(size / 2);
@@ -107,71 +134,34 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("The quadric about a point is the field as far as it is told to reach") {
-  SparseCubeByHand cube(size);
-  cube.octree.value_unit = 1e-6;
-  const double cube_half = cube.octree.edge / 2;
-  LocalMap map;
-  map.value = 0.1;
-  map.slope = {0.2, -0.1, -0.97};
-  map.bend = {0.02, -0.01, 0.015, 0.01, -0.02, 0.005};
-  map.plane = 1;
-  PackedLocalMap packed;
-  REQUIRE(pack_local_map(map, cube.octree.value_unit / cube_half, packed));
-  cube.octree.root_words = {test::root_word(OctreeKind::polynomial, 0)};
-  cube.octree.words = {packed.words.begin(), packed.words.end()};
-  cube.refresh();
-  cube.view.band = {1, 1};
-  QueryCursor cursor;
-  cursor.begin(&cube.view);
-  const Vector3 point(0.004, -0.002, 0.003);
-  const Answer answer = cursor.query(point);
-  REQUIRE(answer.status == Status::exact);
-  CHECK(cursor.is_quadric(point, 0.001));
-  CHECK_FALSE(cursor.is_quadric(point, 2 * cube_half));
-  const LocalQuadric field = cursor.quadric(point);
-  CHECK(field.distance == Approx(answer.distance).epsilon(1e-12));
-  CHECK((field.slope.normalized() - answer.normal).norm() < 1e-12);
-  Random random(7);
-  for (int trial = 0; trial < 100; ++trial) {
-    const Vector3 off(random.between(-1e-3, 1e-3), random.between(-1e-3, 1e-3),
-                      random.between(-1e-3, 1e-3));
-    const Answer there = query_point(cube.view, point + off);
-    const double told = field.distance + field.slope.dot(off) + off.dot(field.bend * off);
-    REQUIRE(there.distance == Approx(told).margin(1e-13));
-    REQUIRE((there.normal - (field.slope + 2 * field.bend * off).normalized()).norm() < 1e-9);
-  }
-}
-
-TEST_CASE("A cursor tells by how much the field bends where one polynomial is all of it") {
-  SparseCubeByHand cube(size);
-  cube.octree.value_unit = 1e-6;
-  LocalMap map;
-  map.slope = {0, 0, -1};
-  map.bend = {0.02, -0.01, 0.015, 0.01, -0.02, 0.005};
-  map.plane = 1;
-  PackedLocalMap packed;
-  REQUIRE(pack_local_map(map, 2 * cube.octree.value_unit / cube.octree.edge, packed));
-  const auto of_kind = [&](OctreeKind kind, std::size_t maps) {
-    cube.octree.root_words = {test::root_word(kind, 0)};
-    cube.octree.words.clear();
-    if (kind != OctreeKind::polynomial) cube.octree.words = {1};
-    for (std::size_t i = 0; i < maps; ++i) {
-      cube.octree.words.insert(cube.octree.words.end(), packed.words.begin(), packed.words.end());
-    }
-    cube.refresh();
-    cube.view.band = {1, 1};
+TEST_CASE("A cursor tells by how much the field bends where one map is all of it") {
+  MappedCube cube(size);
+  // From the face at +z down; level in its middle.
+  const std::uint32_t bent = cube.add_map(4, [](const Vector3& at) {
+    return 12 * at.x() * at.x() - 4 * at.y() * at.y() + at.x() * at.y();
+  });
+  const std::uint32_t flat = cube.add_map(4);
+  const auto bend = [&](std::uint32_t word, const Vector3& point) {
+    cube.fill_with_maps(word);
     QueryCursor cursor;
     cursor.begin(&cube.view);
-    REQUIRE(cursor.distance({0.004, -0.002, 0.003}).known());
-    return cursor;
+    REQUIRE(cursor.distance(point).known());
+    return cursor.bend();
   };
-  const QueryCursor one = of_kind(OctreeKind::polynomial, 1);
-  const double trace = one.quadric({0.004, -0.002, 0.003}).bend.trace();
-  CHECK(std::abs(trace) > 0.1);
-  CHECK(one.bend() == Approx(trace).epsilon(1e-12));
+  const Vector3 middle(0, 0, size / 2), beside(0.004, -0.002, size / 2);
+  CHECK(bend(word_of_map(bent), middle) == Approx(16).epsilon(1e-4));
+  CHECK(bend(word_of_map(bent), beside) == Approx(bend_on(cube.charts[bent], beside)));
+  CHECK(bend(word_of_map(flat), middle) == 0);
   // Which of two maps counts changes within the leaf.
-  CHECK(of_kind(OctreeKind::least, 2).bend() == 0);
+  CHECK(bend(word_of_maps(bent, flat, {}), middle) == 0);
+}
+
+TEST_CASE("A cursor tells of no bend where triangles answer") {
+  const SparseCubeByHand cube(size);
+  QueryCursor cursor;
+  cursor.begin(&cube.view);
+  REQUIRE(cursor.distance({0.004, -0.002, size / 2}).known());
+  CHECK(cursor.bend() == 0);
 }
 
 }  // namespace

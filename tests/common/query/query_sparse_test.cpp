@@ -9,8 +9,8 @@
 
 #include "common/base/octahedral.hpp"
 #include "common/base/random.hpp"
-#include "common/field/local_map.hpp"
 #include "common/query/query.hpp"
+#include "tests/common/support/mapped_cube.hpp"
 #include "tests/support/asset_by_hand.hpp"
 #include "tests/support/octree_by_hand.hpp"
 #include "tests/support/shapes.hpp"
@@ -18,6 +18,7 @@
 namespace spm::query_sparse_test {
 namespace {
 
+using test::MappedCube;
 using test::SparseCubeByHand;
 using test::TriangleByHand;
 
@@ -48,18 +49,6 @@ void fill_with_list(SparseCubeByHand& cube, const std::vector<TriangleByHand>& t
   fill(cube, OctreeKind::list, {unit.begin(), unit.end()});
 }
 
-/// The packed map of a plane's own distance in all of a cube, off by `off` m.
-PackedLocalMap flat_map(const SparseCubeByHand& cube, std::uint32_t plane, double off = 0) {
-  const double cube_half = cube.octree.edge / 2;
-  LocalMap map;
-  map.value = (off - half) / cube_half;
-  map.slope = -Vector3::UnitZ();
-  map.plane = plane;
-  PackedLocalMap packed;
-  REQUIRE(pack_local_map(map, cube.octree.value_unit / cube_half, packed));
-  return packed;
-}
-
 Vector3 random_place(Random& random, double edge) {
   return {random.between(-edge / 2, edge / 2), random.between(-edge / 2, edge / 2),
           random.between(-edge / 2, edge / 2)};
@@ -71,62 +60,114 @@ double cube_distance(const Vector3& point) {
   return off.maxCoeff() < 0 ? off.maxCoeff() : off.cwiseMax(0).norm();
 }
 
-TEST_CASE("A polynomial answers with its plane") {
-  SparseCubeByHand cube(size);
-  cube.octree.value_unit = 1e-6;
-  const PackedLocalMap map = flat_map(cube, 2);
-  fill(cube, OctreeKind::polynomial, {map.words.begin(), map.words.end()});
+TEST_CASE("A distance map answers with its plane") {
+  MappedCube cube(size);
+  cube.fill_with_maps(word_of_map(cube.add_map(2)));
   const Answer answer = query_point(cube.view, {0.003, 0.019, -0.002});
   CHECK(answer.status == Status::exact);
   CHECK(answer.distance == Approx(-0.001));
   CHECK((answer.normal - Vector3::UnitY()).norm() < 1e-6);
   CHECK(answer.plane == 2);
   CHECK(answer.layer == -1);
-  CHECK(answer.source == Source::polynomial);
+  CHECK(answer.source == Source::map);
   CHECK(query_point(cube.view, {0.003, 0.0203, -0.002}).distance == Approx(0.0003));
 }
 
-TEST_CASE("A bent polynomial answers with the distance and direction of its quadric") {
-  SparseCubeByHand cube(size);
-  cube.octree.value_unit = 1e-6;
-  const double cube_half = cube.octree.edge / 2;
-  LocalMap map;
-  map.slope = Vector3(0.01, -0.02, -1);
-  map.bend = {0.03, -0.01, 0.002, 0.004, 0.01, 0.02};
-  PackedLocalMap packed;
-  REQUIRE(pack_local_map(map, cube.octree.value_unit / cube_half, packed));
-  const LocalMap stored = unpack_local_map(packed.words.data(), cube.octree.value_unit / cube_half);
-  fill(cube, OctreeKind::polynomial, {packed.words.begin(), packed.words.end()});
-  const Vector3 point(0.0002, 0.004, -0.003);
-  const Vector3 z = local_coordinates(cube.planes[0], point / cube_half);
-  const Answer answer = query_point(cube.view, point);
-  CHECK(answer.distance == Approx(cube_half * stored.at(z)).epsilon(1e-12));
-  // The direction is that of the steepest ascent of the distance.
-  constexpr double step = 1e-7;
+TEST_CASE("A bent map answers with the distance and the normal of its tangent plane") {
+  MappedCube cube(size);
+  // z of a surface below the face at +z, and its slopes.
+  const auto height = [](double x, double y) {
+    return 0.018 + 0.1 * x - 0.2 * y - 8 * x * x + 3 * x * y + 5 * y * y;
+  };
+  const auto slopes = [](double x, double y) {
+    return Vector3(0.1 - 16 * x + 3 * y, -0.2 + 3 * x + 10 * y, 0);
+  };
+  cube.fill_with_maps(word_of_map(
+      cube.add_map(4, [&](const Vector3& at) { return half - height(at.x(), at.y()); })));
+  constexpr double x = 0.0042, y = -0.0031;
+  const Vector3 foot(x, y, height(x, y)), normal = (Vector3::UnitZ() - slopes(x, y)).normalized();
+  for (const double above : {-0.0012, 0.0, 0.0004}) {
+    const Answer answer = query_point(cube.view, foot + above * Vector3::UnitZ());
+    REQUIRE(answer.status == Status::exact);
+    CHECK(answer.distance == Approx(above * normal.z()).margin(1e-8));
+    CHECK((answer.normal - normal).norm() < 1e-5);
+  }
+  // On the surface the direction is that of the steepest ascent of the distance.
+  constexpr double step = 1e-5;
   Vector3 ascent;
   for (int axis = 0; axis < 3; ++axis) {
     const Vector3 off = step * Vector3::Unit(axis);
     ascent[axis] =
-        query_point(cube.view, point + off).distance - query_point(cube.view, point - off).distance;
+        query_point(cube.view, foot + off).distance - query_point(cube.view, foot - off).distance;
   }
-  CHECK((answer.normal - ascent.normalized()).norm() < 1e-6);
+  CHECK((normal - ascent / (2 * step)).norm() < 1e-3);
 }
 
-TEST_CASE("Of a pair the smaller or the larger distance counts, with its own plane") {
-  SparseCubeByHand cube(size);
-  cube.octree.value_unit = 1e-6;
-  const PackedLocalMap x = flat_map(cube, 0), y = flat_map(cube, 2);
-  std::vector<std::uint32_t> both{1};
-  both.insert(both.end(), x.words.begin(), x.words.end());
-  both.insert(both.end(), y.words.begin(), y.words.end());
+TEST_CASE("Of two maps the smaller or the larger distance counts, with its own plane") {
+  MappedCube cube(size);
+  const std::uint32_t x = cube.add_map(0), y = cube.add_map(2);
   const Vector3 point(0.0195, 0.0192, 0.001);
-  fill(cube, OctreeKind::most, both);  // the edge of a solid below both
+  // The edge of a solid below both.
+  cube.fill_with_maps(word_of_maps(x, y, {.larger = true}));
   CHECK(query_point(cube.view, point).distance == Approx(-0.0005));
   CHECK(query_point(cube.view, point).plane == 0);
   CHECK((query_point(cube.view, point).normal - Vector3::UnitX()).norm() < 1e-6);
-  fill(cube, OctreeKind::least, both);
+  cube.fill_with_maps(word_of_maps(x, y, {}));
   CHECK(query_point(cube.view, point).distance == Approx(-0.0008));
   CHECK(query_point(cube.view, point).plane == 2);
+}
+
+TEST_CASE("A map of an offset surface answers with its offset added, and with the same normal") {
+  constexpr float offset = -0.001F;
+  MappedCube cube(size);
+  const std::uint32_t own = cube.add_map(2), inner = cube.add_offset_map(2, offset);
+  REQUIRE(cube.charts[inner].offset == offset);
+  // Outside, between the surface and the offset surface, and below both.
+  for (const double wanted : {0.0003, 0.0, -0.0004, -0.001, -0.0017}) {
+    const Vector3 point(0.003, half + wanted, -0.002);
+    cube.fill_with_maps(word_of_map(own));
+    const Answer of_surface = query_point(cube.view, point);
+    cube.fill_with_maps(word_of_map(inner));
+    const Answer answer = query_point(cube.view, point);
+    CHECK(answer.status == Status::exact);
+    CHECK(answer.distance == Approx(wanted).margin(1e-9));
+    CHECK(answer.normal == of_surface.normal);
+    CHECK(answer.plane == 2);
+    CHECK(answer.source == Source::map);
+  }
+}
+
+TEST_CASE("Of two maps each has its own offset added") {
+  MappedCube cube(size);
+  const std::uint32_t x = cube.add_offset_map(0, -0.0015F), y = cube.add_map(2);
+  const Vector3 point(0.0195, 0.0192, 0.001);
+  cube.fill_with_maps(word_of_maps(x, y, {.larger = true}));
+  CHECK(query_point(cube.view, point).distance == Approx(-0.0005).margin(1e-9));
+  CHECK(query_point(cube.view, point).plane == 0);
+  cube.fill_with_maps(word_of_maps(x, y, {}));
+  CHECK(query_point(cube.view, point).distance == Approx(-0.0008).margin(1e-9));
+  CHECK(query_point(cube.view, point).plane == 2);
+  // In front of their edge.
+  const Vector3 beyond(half + 0.0003, half + 0.0004, 0.001);
+  cube.fill_with_maps(word_of_maps(x, y, {.larger = true, .edge = true}));
+  CHECK(query_point(cube.view, beyond).distance == Approx(0.0005).margin(1e-9));
+  CHECK((query_point(cube.view, beyond).normal - Vector3(0.6, 0.8, 0)).norm() < 1e-5);
+}
+
+TEST_CASE("A place whose projection is not on the map of its cube is far") {
+  MappedCube cube(size);
+  const std::uint32_t small = cube.add_map(2), whole = cube.add_map(2);
+  cube.charts[small].columns = 3;
+  const Vector3 point(0.003, 0.0199, -0.002);
+  for (const std::uint32_t word :
+       {word_of_map(small), word_of_maps(small, whole, {}), word_of_maps(whole, small, {}),
+        word_of_map(2), word_of_maps(whole, 2, {}), word_of_map(max_named_maps)}) {
+    cube.fill_with_maps(word);
+    CHECK(query_point(cube.view, point).status == Status::far);
+    CHECK(std::isnan(query_point(cube.view, point).distance));
+  }
+  cube.fill_with_maps(word_of_map(whole));
+  CHECK(query_point(cube.view, point).status == Status::exact);
 }
 
 TEST_CASE("Where triangles tell the side, a cube of them answers as the cube") {
@@ -171,7 +212,7 @@ TEST_CASE("Far and pruned places say so, and a place of no known kind is far") {
   fill(cube, OctreeKind::pruned);
   CHECK(query_point(cube.view, point).status == Status::pruned);
   CHECK(std::isnan(query_point(cube.view, point).distance));
-  for (const std::uint32_t kind : {0U, 2U, 3U, 10U, 11U, 13U, 14U, 15U}) {
+  for (const std::uint32_t kind : {0U, 2U, 3U, 6U, 7U, 10U, 11U, 12U, 13U, 14U, 15U}) {
     fill(cube, static_cast<OctreeKind>(kind), std::vector<std::uint32_t>(16, 0));
     const Answer answer = query_point(cube.view, point);
     CHECK(answer.status == Status::far);

@@ -16,7 +16,7 @@
 namespace spm::height_chart_test {
 namespace {
 
-constexpr std::uint32_t side = 12;
+constexpr std::uint16_t side = 12;
 constexpr double spacing = 1e-3;
 
 /// D_SP = base + slope . p + p' bend p / 2 over a plane, m.

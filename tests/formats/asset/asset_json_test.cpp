@@ -72,7 +72,7 @@ TEST_CASE("Every wrong field of a description is refused by its name") {
   };
   const std::vector<Case> cases = {
       {"format_version", [](Json& j) { j["format_version"] = "2"; }},
-      {"format version 12, this program reads 11", [](Json& j) { j["format_version"] = 12; }},
+      {"format version 13, this program reads 12", [](Json& j) { j["format_version"] = 13; }},
       {"`form`", [](Json& j) { j["form"] = "dense"; }},
       {"`units`", [](Json& j) { j["units"] = "mm"; }},
       {"`kind`", [](Json& j) { j.erase("kind"); }},
@@ -177,7 +177,7 @@ TEST_CASE("Every wrong field of the full form's grid is refused by its name") {
   }
 }
 
-TEST_CASE("Every wrong field of the octree and its triangles is refused by its name") {
+TEST_CASE("Every wrong field of the octree, its maps and its triangles is refused by its name") {
   struct Case {
     const char *object, *key;
     Json value;
@@ -193,11 +193,17 @@ TEST_CASE("Every wrong field of the octree and its triangles is refused by its n
                                    {"octree", "words", -2},
                                    {"octree", "lists", "many"},
                                    {"octree", "lists", 1ULL << 40U},
-                                   {"octree", "value_unit", 0},
                                    {"octree", "clearance_unit", -1e-4},
                                    {"octree", "reach", 1e30},
                                    {"octree", "beyond_share", 1.01},
                                    {"octree", "beyond_share", "most"},
+                                   {"atlas", "charts", 1 << 15},
+                                   {"atlas", "charts", -1},
+                                   {"atlas", "width", 3},
+                                   {"atlas", "spacing", 0},
+                                   {"atlas", "offset", 1e-9},
+                                   {"atlas", "offset", "1 mm"},
+                                   {"atlas", "offset", nullptr},
                                    {"exact", "triangles", 1ULL << 40U},
                                    {"exact", "triangles", 0.5},
                                    {"exact", "corners", 1 << 22},
@@ -214,7 +220,7 @@ TEST_CASE("Every wrong field of the octree and its triangles is refused by its n
     CHECK(parsed.error().code == ExitCode::invalid_input);
     CHECK(parsed.error().message.find(named) != std::string::npos);
   }
-  for (const char* object : {"octree", "exact"}) {
+  for (const char* object : {"octree", "atlas", "exact"}) {
     Json json = Json::parse(sparse_text());
     json.erase(object);
     const auto parsed = parse_description(json.dump(), "a.exr");
@@ -226,7 +232,7 @@ TEST_CASE("Every wrong field of the octree and its triangles is refused by its n
 TEST_CASE("A file of another format version is refused with who wrote it and what to do") {
   for (const auto& [version, cure] :
        {std::pair{4, "; an older spm-bake wrote it; bake it again"},
-        {12, "; a newer spm-bake wrote it, update this one; bake it again"}}) {
+        {13, "; a newer spm-bake wrote it, update this one; bake it again"}}) {
     Json json = Json::parse(sparse_text());
     json["format_version"] = version;
     // Other versions have other fields, which are not looked at.
@@ -235,7 +241,7 @@ TEST_CASE("A file of another format version is refused with who wrote it and wha
     REQUIRE(!parsed);
     CHECK(parsed.error().code == ExitCode::invalid_input);
     CHECK(parsed.error().message ==
-          "a.exr: format version " + std::to_string(version) + ", this program reads 11" + cure);
+          "a.exr: format version " + std::to_string(version) + ", this program reads 12" + cure);
   }
 }
 
@@ -256,8 +262,8 @@ TEST_CASE("The units of an octree and its triangles round-trip to the last bit")
   Random random(10);
   for (int k = 0; k < 200; ++k) {
     OctreeData& octree = description.octree;
-    for (double* unit : {&octree.edge, &octree.value_unit, &octree.clearance_unit, &octree.reach,
-                         &octree.lattice_step}) {
+    for (double* unit :
+         {&octree.edge, &octree.clearance_unit, &octree.reach, &octree.lattice_step}) {
       *unit = std::ldexp(random.between(0.5, 1), static_cast<int>(below(random, 40)) - 30);
     }
     octree.beyond_share = random.between(0, 1);
@@ -265,10 +271,38 @@ TEST_CASE("The units of an octree and its triangles round-trip to the last bit")
     REQUIRE(parsed.has_value());
     REQUIRE(parsed->octree.beyond_share == octree.beyond_share);
     REQUIRE(parsed->octree.edge == octree.edge);
-    REQUIRE(parsed->octree.value_unit == octree.value_unit);
     REQUIRE(parsed->octree.clearance_unit == octree.clearance_unit);
     REQUIRE(parsed->octree.reach == octree.reach);
     REQUIRE(parsed->octree.lattice_step == octree.lattice_step);
+  }
+}
+
+TEST_CASE("The place of an asset's offset surface round-trips to the last bit") {
+  AssetDescription description = describe(sparse_asset(3));
+  Random random(11);
+  for (int k = 0; k < 200; ++k) {
+    description.atlas.offset = k == 0 ? 0 : -random.between(0, 0.01);
+    const auto parsed = parse_description(to_json(description), "a.exr");
+    REQUIRE(parsed.has_value());
+    REQUIRE(parsed->atlas.offset == description.atlas.offset);
+  }
+}
+
+TEST_CASE("An offset surface that would lie outside its surface is refused") {
+  Json json = Json::parse(sparse_text());
+  REQUIRE(json["atlas"]["offset"].get<double>() < 0);
+  for (const double above : {5e-324, 1e-9, 0.0015}) {
+    json["atlas"]["offset"] = above;
+    CAPTURE(above);
+    const auto parsed = parse_description(json.dump(), "a.exr");
+    REQUIRE(!parsed);
+    CHECK(parsed.error().code == ExitCode::invalid_input);
+    CHECK(parsed.error().message.find("`atlas.offset`") != std::string::npos);
+  }
+  for (const double below : {0.0, -1e-9, -0.0015}) {
+    json["atlas"]["offset"] = below;
+    CAPTURE(below);
+    CHECK(parse_description(json.dump(), "a.exr").has_value());
   }
 }
 
@@ -299,7 +333,8 @@ TEST_CASE("A number of a description that is beyond all sizes is refused by its 
       {"/band/margin", 1e154},   {"/probe/radius", 1e300},   {"/mesh/unit", 1e300},
       {"/mesh/diagonal", 1e200}, {"/mesh/box_max/1", 1e200}, {"/octree/origin/0", 1e200},
       {"/octree/edge", 1e13},    {"/exact/step", 1e13},      {"/exact/origin/2", -1e200},
-      {"/atlas/spacing", 1e13},  {"/planes/0/x0/1", 1e200},  {"/octree/reach", 1e13}};
+      {"/atlas/spacing", 1e13},  {"/planes/0/x0/1", 1e200},  {"/octree/reach", 1e13},
+      {"/atlas/offset", -1e13}};
   for (const auto& [place, value] : cases) {
     Json json = Json::parse(sparse_text());
     json[Json::json_pointer(place)] = value;

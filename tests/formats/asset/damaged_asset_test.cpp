@@ -15,6 +15,7 @@
 #include <catch2/catch.hpp>
 #include <functional>
 
+#include "formats/asset/chart_words.hpp"
 #include "formats/asset/mapped_asset.hpp"
 #include "formats/exr/exr_header.hpp"
 #include "formats/exr/exr_layout.hpp"
@@ -200,8 +201,8 @@ std::vector<Damage> wrong_descriptions() {
   const std::string lists = std::to_string(sparse_asset(1).octree.lists.size());
   return {
       {"the version before",
-       with_header_text(sparse, "\"format_version\":11", "\"format_version\":4 "),
-       "format version 4, this program reads 11; an older spm-bake wrote it; bake it again"},
+       with_header_text(sparse, "\"format_version\":12", "\"format_version\":4 "),
+       "format version 4, this program reads 12; an older spm-bake wrote it; bake it again"},
       {"tolerance NaN",
        with_header_text(sparse, "\"tolerance\":3.3333333333333335e-05",
                         "\"tolerance\":NaN                   "),
@@ -244,15 +245,17 @@ std::vector<Damage> wrong_content() {
   of_halves.atlas.halves = true;
   const std::string halves = baked(of_halves);
   constexpr std::uint32_t nan = 0x7FC00000, infinity = 0x7F800000;
+  // Of the second map.
+  const auto with_chart_word = [&sparse](std::uint64_t which, std::uint32_t word) {
+    return with_word(sparse, flat_word(sparse, "grid_maps", chart_word_count + which), word);
+  };
   return {
-      {"a map of no plane", with_word(sparse, flat_word(sparse, "grid_maps", 8), 10),
-       "distance map 1 names a plane"},
-      {"a map of no size", with_word(sparse, flat_word(sparse, "grid_maps", 8 + 3), 2),
-       "distance map 1 has a size"},
-      {"a map outside the picture", with_word(sparse, flat_word(sparse, "grid_maps", 8 + 4), 1000),
-       "distance map 1 lies outside"},
-      {"a map of a NaN base", with_word(sparse, flat_word(sparse, "grid_maps", 8 + 6), nan),
-       "distance map 1 has a base"},
+      {"a map of no plane", with_chart_word(0, 10), "distance map 1 names a plane"},
+      {"a map of no level", with_chart_word(0, 32U << 16U), "distance map 1 has a level"},
+      {"a map of no size", with_chart_word(2, 2), "distance map 1 has a size"},
+      {"a map outside the picture", with_chart_word(3, 1000), "distance map 1 lies outside"},
+      {"a map of a NaN base", with_chart_word(4, nan), "distance map 1 has a base"},
+      {"a map of too steep a base", with_chart_word(5, 0x8000), "distance map 1 has a base"},
       {"a map of an infinite HALF height",
        with_word(halves, flat_word(halves, "heights", 20), 0x3C007C00), "not numbers"},
       {"a map of NaN height", with_word(sparse, flat_word(sparse, "heights", 40), nan),

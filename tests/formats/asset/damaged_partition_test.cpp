@@ -3,7 +3,6 @@
 #include <functional>
 
 #include "common/asset/grid_list.hpp"
-#include "common/field/local_map.hpp"
 #include "formats/asset/mapped_asset.hpp"
 #include "tests/formats/asset/damage.hpp"
 #include "tests/formats/support/synthetic_asset.hpp"
@@ -78,7 +77,7 @@ std::string with_cube(OctreeKind kind, const std::vector<std::uint32_t>& words) 
 }
 
 constexpr auto split = OctreeKind::split, far_kind = OctreeKind::far, deep = OctreeKind::deep;
-constexpr auto list = OctreeKind::list, polynomial = OctreeKind::polynomial;
+constexpr auto list = OctreeKind::list, map = OctreeKind::map;
 
 std::vector<Damage> wrong_cubes() {
   const std::string shared = "a cube of its octree shares its words with another";
@@ -96,32 +95,31 @@ std::vector<Damage> wrong_cubes() {
                                         octant_kinds(far_kind, {{5, split}})}),
        shared},
       {"a cube in the middle of another's words",
-       with_cubes(root_word(split, 0), {2, octant_kinds(far_kind, {{0, polynomial}, {1, split}}), 0,
-                                        0, 0, 0, 4, octant_kinds(far_kind, {{0, deep}})}),
+       with_cubes(root_word(split, 0), {2, octant_kinds(far_kind, {{0, split}, {1, split}}), 0, 0,
+                                        3, octant_kinds(far_kind, {{0, map}})}),
        shared},
       {"a root that leads outside", with_cubes(root_word(deep, 2), {0, 0}), cut},
       {"a root that leads far outside", with_cubes(root_word(split, 0x0FFFFFFF), {0, 0}), cut},
-      {"a polynomial of which half is there", with_cube(polynomial, {0, 0}), cut},
-      {"a map that does not exist", with_cube(OctreeKind::map, {word_of_map(6)}),
-       "names a distance map that does not exist"},
-      {"a second map that does not exist", with_cube(OctreeKind::map, {word_of_maps(0, 6, {})}),
-       "names a distance map that does not exist"},
-      {"a second map that is none", with_cube(OctreeKind::map, {1U << 31U}),
-       "names a distance map that does not exist"},
-      {"a pair of which half is there", with_cube(OctreeKind::least, {1, 0, 0, 0, 0}), cut},
-      {"a pair that is itself", with_cube(OctreeKind::least, {0, 0, 0, 0, 0, 0, 0, 0}), shared},
+      {"a list of which half is there", with_cube(list, {0}), cut},
+      {"a map cut short", with_cube(map, {}), cut},
+      {"a map behind the last word", with_cubes(root_word(map, 1), {0}), cut},
+      {"two maps with the same word", sparse_with([](Asset& asset) {
+         asset.octree.root_words[0] = asset.octree.root_words[1] = root_word(map, 0);
+       }),
+       shared},
+      {"a map whose word is its own cube's",
+       with_cubes(root_word(split, 0), {1, octant_kinds(far_kind, {{0, map}})}), shared},
       {"octants that lead outside", with_cube(split, {2, octant_kinds(far_kind, {{2, deep}})}),
        cut},
       {"octants of which the last lies outside",
-       with_cube(split, {2, octant_kinds(far_kind, {{2, deep}, {7, polynomial}}), 0, 0, 0, 0}),
-       cut},
+       with_cube(split, {2, octant_kinds(far_kind, {{2, deep}, {7, map}}), 0}), cut},
       {"octants that lead beyond all numbers",
        with_cube(split, {0xFFFFFFFFU, octant_kinds(far_kind, {{2, deep}, {7, deep}})}), cut},
       {"splits below each other beyond the last level",
        with_cubes(root_word(split, 0), chain_of_splits(max_octree_levels + 1, far_kind, far_kind)),
        "a cube of its octree is split too often"},
   };
-  for (const std::uint32_t kind : {2U, 3U, 10U, 11U, 13U, 14U, 15U}) {
+  for (const std::uint32_t kind : {2U, 3U, 6U, 7U, 10U, 11U, 12U, 13U, 14U, 15U}) {
     const auto unknown = static_cast<OctreeKind>(kind);
     cases.push_back(
         {"a root of kind " + std::to_string(kind), with_cube(unknown, {0, 0}), no_kind});
@@ -180,35 +178,33 @@ std::vector<Damage> wrong_lists() {
   };
 }
 
-std::vector<Damage> wrong_polynomials() {
-  const std::string no_plane =
-      "a cube of its octree has a polynomial in the frame of a plane that does not exist";
-  const std::string no_size =
-      "a cube of its octree has a polynomial that is not of the size of a distance";
-  constexpr std::uint32_t plane = 10U << 24U, exponent = (bend_exponent_bias + 17U) << 16U;
+std::vector<Damage> wrong_maps() {
+  const std::string none = "a cube of its octree names a distance map that does not exist";
+  constexpr std::uint32_t last = max_named_maps;
   return {
-      {"a polynomial of no plane", with_cube(polynomial, {0, 0, 0, plane}), no_plane},
-      {"a polynomial of the last plane there may be", with_cube(polynomial, {0, 0, 0, 255U << 24U}),
-       no_plane},
-      {"a polynomial in an asset without planes",
+      {"a map that does not exist", with_cube(map, {word_of_map(6)}), none},
+      {"the last map there may be", with_cube(map, {word_of_map(last)}), none},
+      {"a map in an asset without maps",
        [] {
          Asset asset = sparse_asset(1, {.planes = 0, .triangles = 0});
-         asset.octree.root_words[0] = root_word(polynomial, 0);
-         asset.octree.words.assign(4, 0);
+         asset.octree.root_words[0] = root_word(map, 0);
+         asset.octree.words.assign(1, word_of_map(0));
          for (std::size_t k = 1; k < asset.octree.root_words.size(); ++k) {
            asset.octree.root_words[k] = root_word(far_kind, 0);
          }
          return baked(asset);
        }(),
-       no_plane},
-      {"a pair whose first is of no plane",
-       with_cube(OctreeKind::least, {1, 0, 0, 0, plane, 0, 0, 0, 0}), no_plane},
-      {"a pair whose second is of no plane",
-       with_cube(OctreeKind::most, {1, 0, 0, 0, 0, 0, 0, 0, plane}), no_plane},
-      {"a polynomial that bends beyond all measure", with_cube(polynomial, {0, 0, 0, exponent}),
-       no_size},
-      {"a pair whose second bends so",
-       with_cube(OctreeKind::least, {1, 0, 0, 0, 0, 0, 0, 0, 255U << 16U}), no_size},
+       none},
+      {"a first of two that does not exist", with_cube(map, {word_of_maps(6, 0, {})}), none},
+      {"a second map that does not exist", with_cube(map, {word_of_maps(0, 6, {})}), none},
+      {"a second that is the last there may be", with_cube(map, {word_of_maps(0, last - 1, {})}),
+       none},
+      {"a second map that is none", with_cube(map, {1U << 31U}), none},
+      {"an edge of one map", with_cube(map, {1U << 15U}), none},
+      {"an octant's map that does not exist",
+       with_cube(split,
+                 {2, octant_kinds(far_kind, {{0, map}, {7, map}}), word_of_map(5), word_of_map(6)}),
+       none},
   };
 }
 
@@ -263,8 +259,8 @@ TEST_CASE("An asset whose lists of triangles lead astray is refused") {
   check_all_refused(wrong_lists());
 }
 
-TEST_CASE("An asset with a polynomial that gives no distance is refused") {
-  check_all_refused(wrong_polynomials());
+TEST_CASE("An asset whose octree names maps that it does not have is refused") {
+  check_all_refused(wrong_maps());
 }
 
 TEST_CASE(
@@ -273,7 +269,7 @@ TEST_CASE(
   check_all_refused(wrong_triangles());
 }
 
-TEST_CASE("Cubes as deep as they may be, and the last plane and triangles, are accepted") {
+TEST_CASE("Cubes as deep as they may be, and the last map and triangles, are accepted") {
   const auto alone = [](std::uint32_t root, const std::vector<std::uint32_t>& units) {
     Asset asset = sparse_asset(1, {.triangles = 0});
     for (std::uint32_t& word : asset.octree.root_words) word = root_word(far_kind, 0);
@@ -283,8 +279,12 @@ TEST_CASE("Cubes as deep as they may be, and the last plane and triangles, are a
   };
   check_opens(alone(root_word(split, 0), chain_of_splits(max_octree_levels, far_kind, far_kind)));
   check_opens(alone(root_word(far_kind, 0x0FFFFFFF), {}));
-  check_opens(alone(root_word(polynomial, 0), {0, 0, 0, 9U << 24U}));
-  check_opens(alone(root_word(polynomial, 0), {0, 0, 0, (bend_exponent_bias + 16U) << 16U}));
+  check_opens(alone(root_word(map, 0), {word_of_map(5)}));
+  for (const bool larger : {false, true}) {
+    for (const bool edge : {false, true}) {
+      check_opens(alone(root_word(map, 0), {word_of_maps(5, 5, {larger, edge})}));
+    }
+  }
   check_opens(sparse_with([](Asset& asset) {
     const auto last = static_cast<std::uint32_t>(asset.octree.triangles.size() / 2 - 1);
     const auto unit = add_list(asset.octree, {last, 0, last});

@@ -59,7 +59,6 @@ void check_same_octree(const OctreeData& wanted, const AssetView& view) {
   CHECK(view.octree.origin == wanted.origin);
   CHECK(view.octree.edge == wanted.edge);
   CHECK(view.octree.roots == wanted.roots);
-  CHECK(view.octree.value_unit == wanted.value_unit);
   CHECK(view.octree.clearance_unit == wanted.clearance_unit);
   CHECK(view.octree.reach == wanted.reach);
   check_same_words(view.octree.root_words, wanted.root_words);
@@ -279,11 +278,28 @@ TEST_CASE("A sparse asset keeps the heights of its maps as one picture of metres
   for (std::size_t k = 0; k < asset.atlas.charts.size(); ++k) {
     const HeightChart &read = opened->view().charts[k], &known = tables.view().charts[k];
     CHECK(read.plane == known.plane);
+    CHECK(read.offset == known.offset);
     CHECK(read.column.at({1, 2, 3}) == known.column.at({1, 2, 3}));
     CHECK(read.row.at({1, 2, 3}) == known.row.at({1, 2, 3}));
     CHECK(read.depth.at({1, 2, 3}) == known.depth.at({1, 2, 3}));
     CHECK(read.heights.at(1) == known.heights.at(1));
   }
+}
+
+TEST_CASE("Maps of the surface and of the offset surface read back each as what it is") {
+  const TemporaryFolder folder;
+  Asset asset = sparse_asset(8);
+  asset.atlas.offset = -0.00123;
+  std::vector<ChartData>& charts = asset.atlas.charts;
+  for (std::size_t k = 0; k < charts.size(); ++k) charts[k].offset = k % 3 != 0;
+  const std::string path = folder.path("a.spm.exr");
+  const auto opened = written_and_opened(asset, path);
+  REQUIRE(opened->view().charts.size() == charts.size());
+  for (std::size_t k = 0; k < charts.size(); ++k) {
+    CHECK(opened->view().charts[k].offset == (charts[k].offset ? -0.00123F : 0));
+    CHECK(opened->view().charts[k].plane == charts[k].plane);
+  }
+  CHECK(read_bytes(path).find("\"offset\":-0.00123") != std::string::npos);
 }
 
 TEST_CASE("Bytes beside samples, grid and triangles stay below a tenth") {

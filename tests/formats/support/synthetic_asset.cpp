@@ -171,8 +171,8 @@ Asset sparse_asset(std::uint64_t seed, const SparseShape& shape) {
   asset.metadata = metadata_of(AssetForm::sparse);
   for (std::uint32_t k = 0; k < shape.planes; ++k) asset.planes.push_back(random_plane(random));
   asset.atlas = random_atlas(random, shape.planes, shape.charts);
-  asset.octree = random_octree(
-      random, shape.planes, static_cast<std::uint32_t>(asset.atlas.charts.size()), shape.triangles);
+  asset.octree =
+      random_octree(random, static_cast<std::uint32_t>(asset.atlas.charts.size()), shape.triangles);
   round_to_stored(asset);
   return asset;
 }

@@ -38,9 +38,8 @@ struct SparseShape {
 };
 
 /// Assets with random content that is consistent: no object has this shape, but every part of the
-/// format is used, and queries in the box find maps, polynomials and triangles. The octree has
-/// cubes of all kinds, up to four levels below its roots; the last quarter of the triangles are of
-/// sheets.
+/// format is used, and queries in the box find maps and triangles. The octree has cubes of all
+/// kinds, up to four levels below its roots; the last quarter of the triangles are of sheets.
 [[nodiscard]] Asset sparse_asset(std::uint64_t seed, const SparseShape& shape = {});
 
 /// One map per plane; the map of plane k has layers[k] layers. Cells share lists, and splits are

@@ -3,12 +3,10 @@
 
 #include <algorithm>
 #include <array>
-#include <stdexcept>
 #include <vector>
 
 #include "common/base/half.hpp"
 #include "common/base/octahedral.hpp"
-#include "common/field/local_map.hpp"
 #include "tests/formats/support/synthetic_asset.hpp"
 #include "tests/support/octree_by_hand.hpp"
 
@@ -20,16 +18,14 @@ namespace {
 /// triangles none of whose corners lies in a far or deep cube.
 class OctreeMaker {
  public:
-  OctreeMaker(Random& random, std::uint32_t planes, std::uint32_t charts, std::uint32_t triangles)
+  OctreeMaker(Random& random, std::uint32_t charts, std::uint32_t triangles)
       : random_(random),
-        planes_(planes),
         charts_(charts),
         surface_(triangles - triangles / 4),
         sheets_(triangles / 4) {
     octree.origin = Vector3(-0.04, -0.04, -0.03);
     octree.edge = 0.02;
     octree.roots = {4, 4, 3};
-    octree.value_unit = 1e-7;
     octree.clearance_unit = 1e-4;
     octree.reach = 0.004;
     set_lattice(octree, Vector3(-0.005, -0.005, 0), 1e-6);
@@ -42,19 +38,16 @@ class OctreeMaker {
 
  private:
   Random& random_;
-  std::uint32_t planes_, charts_;
+  std::uint32_t charts_;
   std::uint32_t surface_, sheets_;  ///< triangles
 
   OctreeKind random_kind() {
-    constexpr std::array kinds{OctreeKind::far,        OctreeKind::pruned, OctreeKind::deep,
-                               OctreeKind::list,       OctreeKind::list,   OctreeKind::polynomial,
-                               OctreeKind::polynomial, OctreeKind::least,  OctreeKind::most,
-                               OctreeKind::map,        OctreeKind::map};
+    constexpr std::array kinds{OctreeKind::far,  OctreeKind::pruned, OctreeKind::deep,
+                               OctreeKind::list, OctreeKind::list,   OctreeKind::map,
+                               OctreeKind::map,  OctreeKind::map,    OctreeKind::map};
     const OctreeKind kind = kinds[below(random_, kinds.size())];
-    const bool map = has_polynomials(kind);
-    const bool missing = kind == OctreeKind::list  ? surface_ == 0
-                         : kind == OctreeKind::map ? charts_ == 0
-                                                   : map && planes_ == 0;
+    const bool missing =
+        (kind == OctreeKind::list && surface_ == 0) || (kind == OctreeKind::map && charts_ == 0);
     return missing ? OctreeKind::pruned : kind;
   }
 
@@ -87,11 +80,6 @@ class OctreeMaker {
       }
     } else if (kind == OctreeKind::deep) {
       words = {pack_octahedral(random_.direction())};
-    } else if (kind == OctreeKind::polynomial) {
-      add_map(words, octree.edge / (2 << level));
-    } else if (has_polynomials(kind)) {
-      for (int k = 0; k < 2; ++k) add_map(words, octree.edge / (2 << level));
-      first = octree.words[first] = reserve(words.size());
     }
     std::copy(words.begin(), words.end(),
               octree.words.begin() + static_cast<std::ptrdiff_t>(first));
@@ -130,17 +118,6 @@ class OctreeMaker {
         static_cast<ListSide>(below(random_, 3)), bounds);
   }
 
-  void add_map(std::vector<std::uint32_t>& words, double half) {
-    LocalMap map;
-    map.value = random_.between(-0.002, 0.001) / half;
-    map.slope = Vector3(random_.between(-0.2, 0.2), random_.between(-0.2, 0.2), -1);
-    for (double& bend : map.bend) bend = random_.between(-0.05, 0.05);
-    map.plane = below(random_, planes_);
-    PackedLocalMap packed;
-    if (!pack_local_map(map, octree.value_unit / half, packed)) throw std::logic_error("a map");
-    words.insert(words.end(), packed.words.begin(), packed.words.end());
-  }
-
   void add_triangles(std::uint32_t triangles) {
     for (std::uint32_t k = 0; k < triangles; ++k) {
       TriangleByHand triangle;
@@ -173,9 +150,8 @@ class OctreeMaker {
 
 }  // namespace
 
-OctreeData random_octree(Random& random, std::uint32_t planes, std::uint32_t charts,
-                         std::uint32_t triangles) {
-  return OctreeMaker(random, planes, charts, triangles).octree;
+OctreeData random_octree(Random& random, std::uint32_t charts, std::uint32_t triangles) {
+  return OctreeMaker(random, charts, triangles).octree;
 }
 
 AtlasData random_atlas(Random& random, std::uint32_t planes, std::uint32_t charts) {
@@ -183,6 +159,7 @@ AtlasData random_atlas(Random& random, std::uint32_t planes, std::uint32_t chart
   AtlasData atlas;
   if (planes == 0 || charts == 0) return atlas;
   atlas.spacing = 0.03;
+  atlas.offset = -0.0015;
   atlas.width = side * across;
   // One more row, since one more height may be read behind the last.
   const std::uint32_t rows = side * ((charts + across - 1) / across) + 1;
@@ -198,9 +175,15 @@ AtlasData random_atlas(Random& random, std::uint32_t planes, std::uint32_t chart
     chart.column0 = -static_cast<std::int32_t>(side / 2);
     chart.row0 = -static_cast<std::int32_t>(side / 2);
     chart.columns = chart.rows = side;
-    chart.base = {static_cast<float>(random.between(0, 0.01)),
-                  static_cast<float>(random.between(-1, 1)),
-                  static_cast<float>(random.between(-1, 1))};
+    chart.offset = below(random, 2) == 0;
+    const auto slope = [&random] {
+      constexpr int units = static_cast<int>(1 / base_slope_unit);
+      return base_slope_unit *
+             static_cast<float>(static_cast<int>(below(random, 2 * units)) - units);
+    };
+    chart.base.depth = static_cast<float>(random.between(0, 0.01));
+    chart.base.by_eta = slope();
+    chart.base.by_omega = slope();
     chart.first = k / across * side * atlas.width + k % across * side;
   }
   return atlas;
