@@ -2,11 +2,11 @@
 #pragma once
 
 #include <cmath>
-#include <compare>
 #include <cstdint>
 #include <memory>
 #include <mutex>
 #include <span>
+#include <tuple>
 #include <vector>
 
 #include "baker/cast/cast.hpp"
@@ -21,7 +21,9 @@ namespace spm::baker {
 struct ChartAtLevel {
   std::uint32_t chart = 0, level = 0;
   bool offset = false;
-  [[nodiscard]] auto operator<=>(const ChartAtLevel&) const noexcept = default;
+  [[nodiscard]] bool operator<(const ChartAtLevel& other) const noexcept {
+    return std::tie(chart, level, offset) < std::tie(other.chart, other.level, other.offset);
+  }
 };
 
 /// The heights of a chart at one spacing (HeightChart), as the file would store them. NaN where the

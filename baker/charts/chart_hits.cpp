@@ -118,9 +118,10 @@ void ChartHits::go_to_offset(const Caster& caster, const PlaneChart& chart, doub
   most = -infinity;
   std::vector<OffsetHit> known(depths_.size());
   const auto follow = [&](std::size_t place, double from) {
+    const std::size_t column = place % columns, row = place / columns;
     const Vector3 on_plane =
-        support_plane_point(plane_, step_ * (column0 + static_cast<double>(place % columns)),
-                            step_ * (row0 + static_cast<double>(place / columns)));
+        support_plane_point(plane_, step_ * (column0 + static_cast<double>(column)),
+                            step_ * (row0 + static_cast<double>(row)));
     return meet_offset(caster, offset, plane_, on_plane, from);
   };
   // By the tangent plane of a hit, so many columns and rows from there.
