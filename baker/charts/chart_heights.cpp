@@ -238,7 +238,7 @@ HeightGrid ChartHeights::curved_grid(const ChartAtLevel& map) const {
   HeightGrid grid;
   grid.spacing = spacing(map.level);
   ChartHits hits(surface_, plane(map.chart), charts_.charts()[map.chart], grid.spacing / 2);
-  if (map.offset) hits.go_to_offset(caster_, charts_.charts()[map.chart], sampling_.offset);
+  if (map.offset) hits.go_to_offset(caster_, sampling_.offset);
   if (hits.columns == 0) return grid;
   constexpr std::int32_t border = last_hits / 2;
   grid.column0 = hits.column0 / 2 - border;

@@ -67,7 +67,7 @@ ChartBox box_of(const OuterSurface& surface, const SupportPlane& plane, const Pl
 
 ChartHits::ChartHits(const OuterSurface& surface, const SupportPlane& plane,
                      const PlaneChart& chart, double step)
-    : plane_(plane), step_(step) {
+    : plane_(plane), chart_(chart), step_(step) {
   const auto [low, high] = box_of(surface, plane, chart, step);
   // From an even one on, which a height lies at.
   const auto start = [](double x) { return 2 * static_cast<std::int32_t>(std::floor(x / 2)); };
@@ -109,10 +109,14 @@ void ChartHits::widen(std::uint32_t by) {
   rows += 2 * by;
 }
 
-void ChartHits::go_to_offset(const Caster& caster, const PlaneChart& chart, double offset) {
+void ChartHits::go_to_offset(const Caster& caster, double offset) {
   // Even, as column0 and row0 are.
   const auto reach = 2 * static_cast<std::uint32_t>(std::ceil(std::abs(offset) / (2 * step_)));
-  if (columns == 0 || std::uint64_t{columns + 2 * reach} * (rows + 2 * reach) > max_hits) return;
+  if (columns == 0) return;
+  if (std::uint64_t{columns + 2 * reach} * (rows + 2 * reach) > max_hits) {
+    columns = rows = 0;
+    return;
+  }
   widen(reach);
   least = infinity;
   most = -infinity;
@@ -138,7 +142,7 @@ void ChartHits::go_to_offset(const Caster& caster, const PlaneChart& chart, doub
     const std::optional<OffsetHit> hit =
         follow(i, beside_last ? expected(i - 1, 1, 0) : static_cast<double>(depths_[i]));
     depths_[i] = missing;
-    if (!hit || !std::binary_search(chart.triangles.begin(), chart.triangles.end(),
+    if (!hit || !std::binary_search(chart_.triangles.begin(), chart_.triangles.end(),
                                     hit->closest.triangle)) {
       continue;
     }

@@ -38,7 +38,7 @@ class ChartHits {
   /// 0), along the same rays, where the chart is what is nearest there; and sideways from there, as
   /// far as that is deep, where the offset surface goes on without a crease. `caster` is over the
   /// chart's surface.
-  void go_to_offset(const Caster& caster, const PlaneChart& chart, double offset);
+  void go_to_offset(const Caster& caster, double offset);
 
   /// m below the plane; NaN where there is no hit, or more than one.
   [[nodiscard]] float at(std::int64_t column, std::int64_t row) const noexcept {
@@ -49,6 +49,7 @@ class ChartHits {
   static constexpr double infinity = std::numeric_limits<double>::infinity();
   static constexpr float missing = std::numeric_limits<float>::quiet_NaN();
   const SupportPlane& plane_;
+  const PlaneChart& chart_;
   double step_;
   std::vector<float> depths_;
 

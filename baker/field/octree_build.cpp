@@ -159,7 +159,7 @@ class Builder {
       node.octants.reset();
     }
     Candidates least = nearest_in_parts(surface_, tree.candidates, node.cube, 1);
-    // Another packet takes as long as a first one, and a word of a list as much as that of a map.
+    // Another packet takes as long as a first one, and such lists are most of an octree's words.
     if (level == rules_.levels && least.size() > packet_size) {
       least = nearest_in_parts(surface_, least, node.cube, 3);
     }

@@ -207,7 +207,7 @@ TEST_CASE("Hits of an offset surface lie on it, and go on past the chart") {
   const PlaneChart& chart = ball.charts.charts()[0];
   const SupportPlane& plane = ball.heights.plane(0);
   ChartHits on(ball.surface, plane, chart, 1e-3), below(ball.surface, plane, chart, 1e-3);
-  below.go_to_offset(ball.caster, chart, -4e-3);
+  below.go_to_offset(ball.caster, -4e-3);
   const auto count = [](const ChartHits& hits) {
     std::size_t found = 0;
     for (std::uint32_t row = 0; row < hits.rows; ++row) {
