@@ -88,23 +88,37 @@ HWY_INLINE Away away_from_segment(const Vectors& from_start, const Vector3& alon
   return Away(from_start.less(share, along));
 }
 
-/// 1 / number, or 0.
-double per(double number) { return number > 0 ? 1 / number : 0; }
+using FourNumbers = std::array<double, 4>;
+
+/// 1 / number, or 0, of each.
+HWY_INLINE FourNumbers per_each(const FourNumbers& numbers) {
+  const hn::CappedTag<double, 4> lanes;
+  FourNumbers found{};
+  for (std::size_t k = 0; k < numbers.size(); k += hn::Lanes(lanes)) {
+    const auto number = hn::LoadU(lanes, numbers.data() + k);
+    const auto per = hn::Div(hn::Set(lanes, 1.0), number);
+    hn::StoreU(hn::IfThenElseZero(hn::Gt(number, hn::Zero(lanes)), per), lanes, found.data() + k);
+  }
+  return found;
+}
 
 /// A triangle as its distances are computed from.
 struct Plan {
   Vector3 ab, ac, bc, to_b, to_c;
   double per_area, per_ab, per_ac, per_bc;
 
-  explicit Plan(const std::array<Vector3, 3>& triangle)
+  HWY_INLINE explicit Plan(const std::array<Vector3, 3>& triangle)
       : ab(triangle[1] - triangle[0]), ac(triangle[2] - triangle[0]), bc(ac - ab) {
     const Vector3 normal = ab.cross(ac);
-    per_area = per(normal.squaredNorm());
+    // One division of four numbers, since most of the time would go to four divisions.
+    const FourNumbers per =
+        per_each({normal.squaredNorm(), ab.squaredNorm(), ac.squaredNorm(), bc.squaredNorm()});
+    per_area = per[0];
+    per_ab = per[1];
+    per_ac = per[2];
+    per_bc = per[3];
     to_b = per_area * ac.cross(normal);
     to_c = per_area * normal.cross(ab);
-    per_ab = per(ab.squaredNorm());
-    per_ac = per(ac.squaredNorm());
-    per_bc = per(bc.squaredNorm());
   }
 };
 

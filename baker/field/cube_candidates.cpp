@@ -31,6 +31,11 @@ Candidate seen_from(const LatticeSurface& surface, std::uint32_t triangle, const
   return candidate;
 }
 
+/// Octants that wait to be used again, of each thread so many, each of them with room for so many
+/// candidates at most.
+constexpr std::size_t most_octants = 512, most_kept = 64;
+thread_local std::vector<std::unique_ptr<std::array<CandidateTree, 8>>> kept_octants;
+
 /// A function object, which sorting calls at no cost.
 constexpr auto nearer = [](const Candidate& a, const Candidate& b) {
   return a.distance != b.distance ? a.distance < b.distance : a.triangle < b.triangle;
@@ -90,11 +95,11 @@ void each_near(const Cube& cube, const std::vector<Candidate>& from, double most
 }
 
 /// Calls for each candidate that may be the nearest to a place of a cube, first those of solids.
-/// Returns the witnesses of solids and of sheets.
+/// Finds the witnesses of solids and of sheets.
 template <class KeepSolid, class KeepSheet>
-std::array<std::vector<Witness>, 2> each_narrowed(const LatticeSurface& surface, const Cube& cube,
-                                                  const Near& near, const KeepSolid& keep_solid,
-                                                  const KeepSheet& keep_sheet) {
+void each_narrowed(const LatticeSurface& surface, const Cube& cube, const Near& near,
+                   std::vector<Witness>& solid_witnesses, std::vector<Witness>& sheet_witnesses,
+                   const KeepSolid& keep_solid, const KeepSheet& keep_sheet) {
   const double span = 2 * cube.radius() + slack;
   double solid = least_distance(near.solids);
   const double sheet = least_distance(near.sheets);
@@ -104,37 +109,33 @@ std::array<std::vector<Witness>, 2> each_narrowed(const LatticeSurface& surface,
   if (sheets_only) solid = std::numeric_limits<double>::infinity();
   const double most_solid = sheets_only ? -1 : solid + span;
   const double most_sheet = std::min(sheet, solid + surface.sheet_thickness) + span;
-  std::array<std::vector<Witness>, 2> witnesses;
+  solid_witnesses.clear();
+  sheet_witnesses.clear();
   const std::size_t count =
       count_within(near.solids, most_solid) + count_within(near.sheets, most_sheet);
   if (count > few) {
-    find_witnesses(surface, cube, near.solids, most_solid, witnesses[0]);
-    find_witnesses(surface, cube, near.sheets, most_sheet, witnesses[1]);
+    find_witnesses(surface, cube, near.solids, most_solid, solid_witnesses);
+    find_witnesses(surface, cube, near.sheets, most_sheet, sheet_witnesses);
   }
   thread_local std::vector<CornerValues> distances;
   distances.clear();
-  for (const Witness& witness : witnesses[0]) distances.push_back(witness.distances);
+  for (const Witness& witness : solid_witnesses) distances.push_back(witness.distances);
   each_near(cube, near.solids, most_solid, distances, keep_solid);
   for (CornerValues& values : distances) values += surface.sheet_thickness;
-  for (const Witness& witness : witnesses[1]) distances.push_back(witness.distances);
+  for (const Witness& witness : sheet_witnesses) distances.push_back(witness.distances);
   each_near(cube, near.sheets, most_sheet, distances, keep_sheet);
-  return witnesses;
 }
 
-Candidates narrowed(const LatticeSurface& surface, const Cube& cube, const Near& near) {
-  // Filled here first, so that what is kept is allocated once.
-  thread_local std::vector<Candidate> solids, sheets;
+void narrow(const LatticeSurface& surface, const Cube& cube, const Near& near, Candidates& found) {
+  std::vector<Candidate>&solids = found.solids.triangles, &sheets = found.sheets.triangles;
   solids.clear();
   sheets.clear();
-  auto witnesses = each_narrowed(
-      surface, cube, near, [](const Candidate& candidate) { solids.push_back(candidate); },
-      [](const Candidate& candidate) { sheets.push_back(candidate); });
+  each_narrowed(
+      surface, cube, near, found.solids.witnesses, found.sheets.witnesses,
+      [&](const Candidate& candidate) { solids.push_back(candidate); },
+      [&](const Candidate& candidate) { sheets.push_back(candidate); });
   std::sort(solids.begin(), solids.end(), nearer);
   std::sort(sheets.begin(), sheets.end(), nearer);
-  Candidates found;
-  found.solids = {solids, std::move(witnesses[0])};
-  found.sheets = {sheets, std::move(witnesses[1])};
-  return found;
 }
 
 /// Adds those of `around` that may be near enough to a place of an octant, to each of the eight.
@@ -201,16 +202,6 @@ double felt_nearer(const LatticeSurface& surface, const Candidates& candidates) 
   return candidates.sheets.triangles.empty() ? 0 : surface.sheet_thickness;
 }
 
-std::array<Candidates, 8> candidates_in_octants(const LatticeSurface& surface,
-                                                const Candidates& around, const Cube& cube) {
-  const std::array<Near, 8>& near = near_octants(surface, around, cube);
-  std::array<Candidates, 8> found;
-  for (std::size_t octant = 0; octant < 8; ++octant) {
-    found[octant] = narrowed(surface, cube.octant(octant), near[octant]);
-  }
-  return found;
-}
-
 Candidates candidates_of(const LatticeSurface& surface, const std::vector<std::uint32_t>& triangles,
                          const Cube& cube) {
   Near near;
@@ -218,7 +209,9 @@ Candidates candidates_of(const LatticeSurface& surface, const std::vector<std::u
     auto& kind = surface.triangles[triangle].sheet ? near.sheets : near.solids;
     kind.push_back(seen_from(surface, triangle, cube.middle));
   }
-  return narrowed(surface, cube, near);
+  Candidates found;
+  narrow(surface, cube, near, found);
+  return found;
 }
 
 Candidates nearest_in_parts(const LatticeSurface& surface, const Candidates& candidates,
@@ -228,13 +221,18 @@ Candidates nearest_in_parts(const LatticeSurface& surface, const Candidates& can
   }
   std::vector<std::uint32_t> kept;
   const auto keep = [&kept](const Candidate& candidate) { kept.push_back(candidate.triangle); };
+  const std::array<Near, 8>& near = near_octants(surface, candidates, cube);
   std::array<Candidates, 8> octants;
-  if (levels > 1) octants = candidates_in_octants(surface, candidates, cube);
-  const std::array<Near, 8>* near = levels > 1 ? nullptr : &near_octants(surface, candidates, cube);
+  if (levels > 1) {
+    for (std::size_t octant = 0; octant < 8; ++octant) {
+      narrow(surface, cube.octant(octant), near[octant], octants[octant]);
+    }
+  }
+  std::vector<Witness> solid_witnesses, sheet_witnesses;
   for (std::size_t octant = 0; octant < 8; ++octant) {
     const Cube part = cube.octant(octant);
-    if (near != nullptr) {
-      each_narrowed(surface, part, (*near)[octant], keep, keep);
+    if (levels == 1) {
+      each_narrowed(surface, part, near[octant], solid_witnesses, sheet_witnesses, keep, keep);
     } else {
       const Candidates within = nearest_in_parts(surface, octants[octant], part, levels - 1);
       for (const auto* kind : {&within.solids, &within.sheets}) {
@@ -292,23 +290,46 @@ void CandidateTree::need_witnesses(const LatticeSurface& surface) {
   }
 }
 
+void KeepOctants::operator()(std::array<CandidateTree, 8>* octants) const noexcept {
+  std::unique_ptr<std::array<CandidateTree, 8>> gone(octants);
+  for (CandidateTree& tree : *gone) {
+    tree.octants.reset();
+    for (auto* kind : {&tree.candidates.solids, &tree.candidates.sheets}) {
+      if (kind->triangles.capacity() > most_kept) kind->triangles = {};
+    }
+  }
+  if (kept_octants.size() < most_octants) kept_octants.push_back(std::move(gone));
+}
+
 std::array<CandidateTree, 8>& CandidateTree::parts(const LatticeSurface& surface) {
   if (octants) return *octants;
-  octants = std::make_unique<std::array<CandidateTree, 8>>();
-  std::array<Candidates, 8> within = candidates_in_octants(surface, candidates, cube);
+  if (kept_octants.empty()) {
+    octants.reset(new std::array<CandidateTree, 8>);
+  } else {
+    octants.reset(kept_octants.back().release());
+    kept_octants.pop_back();
+  }
+  const std::array<Near, 8>& near = near_octants(surface, candidates, cube);
   for (std::size_t octant = 0; octant < 8; ++octant) {
-    (*octants)[octant] =
-        candidate_tree(surface, cube.octant(octant), std::move(within[octant]), inside);
+    CandidateTree& part = (*octants)[octant];
+    part.cube = cube.octant(octant);
+    narrow(surface, part.cube, near[octant], part.candidates);
+    part.know_side(surface, inside);
   }
   return *octants;
 }
 
+void CandidateTree::know_side(const LatticeSurface& surface, std::optional<bool> above) {
+  inside = inside_at_middle = above;
+  if (!inside && candidates.solids.distance() > cube.radius() + slack) {
+    inside = is_middle_inside(surface);
+  }
+}
+
 CandidateTree candidate_tree(const LatticeSurface& surface, const Cube& cube, Candidates candidates,
                              std::optional<bool> inside) {
-  CandidateTree tree{cube, std::move(candidates), inside, inside, nullptr};
-  if (!inside && tree.candidates.solids.distance() > cube.radius() + slack) {
-    tree.inside = tree.is_middle_inside(surface);
-  }
+  CandidateTree tree{cube, std::move(candidates), {}, {}, nullptr};
+  tree.know_side(surface, inside);
   return tree;
 }
 

@@ -73,15 +73,19 @@ struct Candidates {
 [[nodiscard]] double felt_nearer(const LatticeSurface& surface,
                                  const Candidates& candidates) noexcept;
 
-/// The candidates of a cube's octants among those of the cube, or of a cube among the given
-/// triangles. None that matters is left out: a triangle goes where another one is nearer in all of
-/// the cube.
-[[nodiscard]] std::array<Candidates, 8> candidates_in_octants(const LatticeSurface& surface,
-                                                              const Candidates& around,
-                                                              const Cube& cube);
+/// The candidates of a cube among the given triangles. None that matters is left out: a triangle
+/// goes where another one is nearer in all of the cube.
 [[nodiscard]] Candidates candidates_of(const LatticeSurface& surface,
                                        const std::vector<std::uint32_t>& triangles,
                                        const Cube& cube);
+
+struct CandidateTree;
+
+/// Keeps octants that are let go for those that are asked for next, since to allocate what they
+/// hold takes a tenth of a bake.
+struct KeepOctants {
+  void operator()(std::array<CandidateTree, 8>* octants) const noexcept;
+};
 
 /// A cube with its candidates, and its octants with theirs where they were asked for: more than one
 /// proof, and the octree below, ask for the same.
@@ -90,11 +94,13 @@ struct CandidateTree {
   Candidates candidates;
   std::optional<bool> inside;  ///< the side of the whole cube; nothing where a solid passes
   std::optional<bool> inside_at_middle;
-  std::unique_ptr<std::array<CandidateTree, 8>> octants;
+  std::unique_ptr<std::array<CandidateTree, 8>, KeepOctants> octants;
 
   [[nodiscard]] std::array<CandidateTree, 8>& parts(const LatticeSurface& surface);
   [[nodiscard]] bool is_middle_inside(const LatticeSurface& surface);
   void need_witnesses(const LatticeSurface& surface);
+  /// Of the whole cube: that of the cube above it, or where no solid passes that of the middle.
+  void know_side(const LatticeSurface& surface, std::optional<bool> above);
 };
 /// The tree of a cube below one of that side.
 [[nodiscard]] CandidateTree candidate_tree(const LatticeSurface& surface, const Cube& cube,
