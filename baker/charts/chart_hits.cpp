@@ -21,7 +21,7 @@ constexpr double facing_cosine = 0.4;
 /// Newton's method along a ray: the steps that it may take, what it takes for 0 (m, of the
 /// diagonal), and the least cosine with which a step is made longer.
 constexpr int max_steps = 30;
-constexpr double found_share = 3e-5, least_cosine = 0.5, lost_cosine = 0.1;
+constexpr double found_share = 1e-4, least_cosine = 0.5, lost_cosine = 0.1;
 
 /// Where a ray along a plane's normal meets an offset surface.
 struct OffsetHit {

@@ -73,11 +73,10 @@ void find_witnesses(const LatticeSurface& surface, const Cube& cube,
   }
 }
 
-/// Calls for those no farther than `most`, but for what witnesses cover: where a witness is nearer
+/// Keeps those no farther than `most`, but for what witnesses cover: where a witness is nearer
 /// in all of the cube, its distances at the corners are below the tangent. None is below its own.
-template <class Keep>
-void each_near(const Cube& cube, const std::vector<Candidate>& from, double most,
-               std::span<const CornerValues> distances, const Keep& keep) {
+void keep_uncovered(const Cube& cube, const std::vector<Candidate>& from, double most,
+                    std::span<const CornerValues> distances, std::vector<Candidate>& kept) {
   thread_local std::vector<Candidate> tried;
   thread_local std::vector<LinearFunction> tangents;
   thread_local std::vector<std::uint8_t> covered;
@@ -90,16 +89,12 @@ void each_near(const Cube& cube, const std::vector<Candidate>& from, double most
   }
   find_above(tangents, distances, covered);
   for (std::size_t i = 0; i < tried.size(); ++i) {
-    if (covered[i] == 0) keep(tried[i]);
+    if (covered[i] == 0) kept.push_back(tried[i]);
   }
 }
 
-/// Calls for each candidate that may be the nearest to a place of a cube, first those of solids.
-/// Finds the witnesses of solids and of sheets.
-template <class KeepSolid, class KeepSheet>
-void each_narrowed(const LatticeSurface& surface, const Cube& cube, const Near& near,
-                   std::vector<Witness>& solid_witnesses, std::vector<Witness>& sheet_witnesses,
-                   const KeepSolid& keep_solid, const KeepSheet& keep_sheet) {
+/// The candidates of a cube among what may be near enough, and the witnesses that told.
+void narrow(const LatticeSurface& surface, const Cube& cube, const Near& near, Candidates& found) {
   const double span = 2 * cube.radius() + slack;
   double solid = least_distance(near.solids);
   const double sheet = least_distance(near.sheets);
@@ -109,33 +104,26 @@ void each_narrowed(const LatticeSurface& surface, const Cube& cube, const Near& 
   if (sheets_only) solid = std::numeric_limits<double>::infinity();
   const double most_solid = sheets_only ? -1 : solid + span;
   const double most_sheet = std::min(sheet, solid + surface.sheet_thickness) + span;
-  solid_witnesses.clear();
-  sheet_witnesses.clear();
+  for (auto* kind : {&found.solids, &found.sheets}) {
+    kind->triangles.clear();
+    kind->witnesses.clear();
+  }
   const std::size_t count =
       count_within(near.solids, most_solid) + count_within(near.sheets, most_sheet);
   if (count > few) {
-    find_witnesses(surface, cube, near.solids, most_solid, solid_witnesses);
-    find_witnesses(surface, cube, near.sheets, most_sheet, sheet_witnesses);
+    find_witnesses(surface, cube, near.solids, most_solid, found.solids.witnesses);
+    find_witnesses(surface, cube, near.sheets, most_sheet, found.sheets.witnesses);
   }
   thread_local std::vector<CornerValues> distances;
   distances.clear();
-  for (const Witness& witness : solid_witnesses) distances.push_back(witness.distances);
-  each_near(cube, near.solids, most_solid, distances, keep_solid);
+  for (const Witness& witness : found.solids.witnesses) distances.push_back(witness.distances);
+  keep_uncovered(cube, near.solids, most_solid, distances, found.solids.triangles);
   for (CornerValues& values : distances) values += surface.sheet_thickness;
-  for (const Witness& witness : sheet_witnesses) distances.push_back(witness.distances);
-  each_near(cube, near.sheets, most_sheet, distances, keep_sheet);
-}
-
-void narrow(const LatticeSurface& surface, const Cube& cube, const Near& near, Candidates& found) {
-  std::vector<Candidate>&solids = found.solids.triangles, &sheets = found.sheets.triangles;
-  solids.clear();
-  sheets.clear();
-  each_narrowed(
-      surface, cube, near, found.solids.witnesses, found.sheets.witnesses,
-      [&](const Candidate& candidate) { solids.push_back(candidate); },
-      [&](const Candidate& candidate) { sheets.push_back(candidate); });
-  std::sort(solids.begin(), solids.end(), nearer);
-  std::sort(sheets.begin(), sheets.end(), nearer);
+  for (const Witness& witness : found.sheets.witnesses) distances.push_back(witness.distances);
+  keep_uncovered(cube, near.sheets, most_sheet, distances, found.sheets.triangles);
+  for (auto* kind : {&found.solids, &found.sheets}) {
+    std::sort(kind->triangles.begin(), kind->triangles.end(), nearer);
+  }
 }
 
 /// Adds those of `around` that may be near enough to a place of an octant, to each of the eight.
@@ -192,6 +180,51 @@ bool all_nearest_to_middles(const LatticeSurface& surface, const CandidatesOfKin
   return true;
 }
 
+/// Which of a cube's candidates are candidates of its parts too.
+class Kept {
+ public:
+  explicit Kept(const Candidates& all) {
+    for (const auto* kind : {&all.solids, &all.sheets}) {
+      for (const Candidate& one : kind->triangles) triangles_.push_back(one.triangle);
+    }
+    std::sort(triangles_.begin(), triangles_.end());
+    kept_.resize(triangles_.size());
+  }
+  [[nodiscard]] bool all() const { return count_ == kept_.size(); }
+  [[nodiscard]] bool has(std::uint32_t triangle) const { return kept_[place(triangle)]; }
+  void add(const Candidates& part) {
+    for (const auto* kind : {&part.solids, &part.sheets}) {
+      for (const Candidate& one : kind->triangles) {
+        const std::size_t at = place(one.triangle);
+        if (!kept_[at]) ++count_;
+        kept_[at] = true;
+      }
+    }
+  }
+
+ private:
+  std::vector<std::uint32_t> triangles_;  ///< in their order
+  std::vector<bool> kept_;
+  std::size_t count_ = 0;
+
+  [[nodiscard]] std::size_t place(std::uint32_t triangle) const {
+    return static_cast<std::size_t>(
+        std::lower_bound(triangles_.begin(), triangles_.end(), triangle) - triangles_.begin());
+  }
+};
+
+/// Whether all are kept, of which the search then ends.
+bool add_parts(const LatticeSurface& surface, CandidateTree& tree, int halvings, Kept& kept) {
+  if (halvings == 0) {
+    kept.add(tree.candidates);
+    return kept.all();
+  }
+  std::array<CandidateTree, 8>& parts = tree.parts(surface);
+  return std::any_of(parts.begin(), parts.end(), [&](CandidateTree& part) {
+    return add_parts(surface, part, halvings - 1, kept);
+  });
+}
+
 }  // namespace
 
 double CandidatesOfKind::distance() const noexcept {
@@ -211,44 +244,6 @@ Candidates candidates_of(const LatticeSurface& surface, const std::vector<std::u
   }
   Candidates found;
   narrow(surface, cube, near, found);
-  return found;
-}
-
-Candidates nearest_in_parts(const LatticeSurface& surface, const Candidates& candidates,
-                            const Cube& cube, int levels) {
-  if (!candidates.mixed() && all_nearest_to_middles(surface, candidates.only_kind(), cube)) {
-    return candidates;
-  }
-  std::vector<std::uint32_t> kept;
-  const auto keep = [&kept](const Candidate& candidate) { kept.push_back(candidate.triangle); };
-  const std::array<Near, 8>& near = near_octants(surface, candidates, cube);
-  std::array<Candidates, 8> octants;
-  if (levels > 1) {
-    for (std::size_t octant = 0; octant < 8; ++octant) {
-      narrow(surface, cube.octant(octant), near[octant], octants[octant]);
-    }
-  }
-  std::vector<Witness> solid_witnesses, sheet_witnesses;
-  for (std::size_t octant = 0; octant < 8; ++octant) {
-    const Cube part = cube.octant(octant);
-    if (levels == 1) {
-      each_narrowed(surface, part, near[octant], solid_witnesses, sheet_witnesses, keep, keep);
-    } else {
-      const Candidates within = nearest_in_parts(surface, octants[octant], part, levels - 1);
-      for (const auto* kind : {&within.solids, &within.sheets}) {
-        std::for_each(kind->triangles.begin(), kind->triangles.end(), keep);
-      }
-    }
-    std::sort(kept.begin(), kept.end());
-    kept.erase(std::unique(kept.begin(), kept.end()), kept.end());
-    if (kept.size() == candidates.size()) return candidates;
-  }
-  Candidates found = candidates;
-  const auto gone = [&kept](const Candidate& candidate) {
-    return !std::binary_search(kept.begin(), kept.end(), candidate.triangle);
-  };
-  std::erase_if(found.solids.triangles, gone);
-  std::erase_if(found.sheets.triangles, gone);
   return found;
 }
 
@@ -331,6 +326,16 @@ CandidateTree candidate_tree(const LatticeSurface& surface, const Cube& cube, Ca
   CandidateTree tree{cube, std::move(candidates), {}, {}, nullptr};
   tree.know_side(surface, inside);
   return tree;
+}
+
+void keep_nearest(const LatticeSurface& surface, CandidateTree& tree, int halvings) {
+  Candidates& all = tree.candidates;
+  if (!all.mixed() && all_nearest_to_middles(surface, all.only_kind(), tree.cube)) return;
+  Kept kept(all);
+  if (add_parts(surface, tree, halvings, kept)) return;
+  for (auto* kind : {&all.solids, &all.sheets}) {
+    std::erase_if(kind->triangles, [&](const Candidate& one) { return !kept.has(one.triangle); });
+  }
 }
 
 }  // namespace spm::baker

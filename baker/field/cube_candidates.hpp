@@ -106,10 +106,8 @@ struct CandidateTree {
 [[nodiscard]] CandidateTree candidate_tree(const LatticeSurface& surface, const Cube& cube,
                                            Candidates candidates, std::optional<bool> inside);
 
-/// The same candidates, but for those that are none in any part, where the cube is halved so often.
-[[nodiscard]] Candidates nearest_in_parts(const LatticeSurface& surface,
-                                          const Candidates& candidates, const Cube& cube,
-                                          int levels);
+/// Leaves out candidates that are none in any part, where the cube is halved so often.
+void keep_nearest(const LatticeSurface& surface, CandidateTree& tree, int halvings);
 
 /// The part of the surface that is nearest to a point, of the triangles met.
 struct NearestPart {

@@ -19,7 +19,13 @@ namespace {
 /// are looser in larger cubes; in all no fewer, and no more, than that.
 constexpr double cubes_a_square = 64, least_cubes = 2048, most_cubes = 8192;
 constexpr int max_divisions = 7;
+/// A proof is given up where, after that share of its cubes, the share of the volume that is proven
+/// is so many times behind the share of the cubes that are used. One in twenty of those would hold.
+constexpr double slow_after = 0.0625, most_behind = 3;
 constexpr int kept_divisions = 4;  ///< so many are kept for later proofs
+/// What maps tell over a cube is told over its parts too where it is off by no more than this share
+/// of the tolerance.
+constexpr double exact_enough = 0.01;
 /// Of the rounding of doubles in all that follows, m a m.
 constexpr double rounding = 1e-12;
 /// Facets whose normals are within this of their mean: only these bound a direction between them.
@@ -38,10 +44,19 @@ CornerValues at_corners(const Quadratic& map, double half) {
          mixed(0, 1, x * y) + mixed(0, 2, x * z) + mixed(1, 2, y * z);
 }
 
-/// The field of one map, or those of two of which the smaller or larger one counts.
+/// The field of one map, or those of two of which the smaller or larger one counts, over a cube.
 struct Told {
   std::array<FieldBound, 2> maps;
+  std::array<const BoundedField*, 2> fields{};
   std::size_t count = 0;
+  double off = 0;  ///< m: how far what they tell at the middle is from the exact value
+
+  /// Where one map counts in all of the cube, the other one is left.
+  void keep(std::size_t k) {
+    maps[0] = maps[k];
+    fields[0] = fields[k];
+    count = 1;
+  }
 };
 
 /// Bounds of what a field tells less the distance over a cube; m.
@@ -116,8 +131,12 @@ class Proof {
     const double across = tree.cube.half / tolerance_;
     max_cubes_ =
         static_cast<int>(std::clamp(cubes_a_square * across * across, least_cubes, most_cubes));
-    const Verdict verdict = judge(tree).verdict;
-    return verdict == Verdict::holds || (verdict == Verdict::open && holds_in_parts(tree, 1));
+    Told told;
+    told.count = fields_.size();
+    std::copy(fields_.begin(), fields_.end(), told.fields.begin());
+    for (FieldBound& map : told.maps) map.off = std::numeric_limits<double>::infinity();
+    const Verdict verdict = judge(tree, told).verdict;
+    return verdict == Verdict::holds || (verdict == Verdict::open && holds_in_parts(tree, told, 1));
   }
 
  private:
@@ -127,53 +146,66 @@ class Proof {
   MapPair pair_;
   std::span<const BoundedField* const> fields_;  ///< one or two
   int cubes_ = 0, max_cubes_ = 0;
+  double proven_ = 0;  ///< share of the volume
 
   /// Of parts that are open the worst is divided first, so that a proof that fails does so soon.
-  bool holds_in_parts(CandidateTree& tree, int divisions) {
-    const bool holds = all_parts_hold(tree, divisions);
+  bool holds_in_parts(CandidateTree& tree, const Told& told, int divisions) {
+    const bool holds = all_parts_hold(tree, told, divisions);
     if (divisions > kept_divisions) tree.octants.reset();
     return holds;
   }
 
-  bool all_parts_hold(CandidateTree& tree, int divisions) {
-    std::array<std::pair<double, CandidateTree*>, 8> open;
+  bool all_parts_hold(CandidateTree& tree, const Told& above, int divisions) {
+    std::array<CandidateTree, 8>& parts = tree.parts(surface_);
+    std::array<Told, 8> told;
+    std::array<std::pair<double, std::size_t>, 8> open;
     std::size_t count = 0;
-    for (CandidateTree& part : tree.parts(surface_)) {
-      if (++cubes_ > max_cubes_) return false;
-      const Judgement judged = judge(part);
-      if (judged.verdict == Verdict::holds) continue;
+    for (std::size_t octant = 0; octant < 8; ++octant) {
+      if (++cubes_ > max_cubes_ || is_slow()) return false;
+      told[octant] = above;
+      const Judgement judged = judge(parts[octant], told[octant]);
+      if (judged.verdict == Verdict::holds) {
+        proven_ += std::ldexp(1.0, -3 * divisions);
+        continue;
+      }
       if (judged.verdict == Verdict::refuted || divisions == max_divisions) return false;
-      open[count++] = {judged.beyond, &part};
+      open[count++] = {judged.beyond, octant};
     }
     std::stable_sort(open.begin(), open.begin() + count,
                      [](const auto& a, const auto& b) { return a.first > b.first; });
     for (std::size_t k = 0; k < count; ++k) {
-      if (!holds_in_parts(*open[k].second, divisions + 1)) return false;
+      const std::size_t octant = open[k].second;
+      if (!holds_in_parts(parts[octant], told[octant], divisions + 1)) return false;
     }
     return true;
   }
 
-  Judgement judge(CandidateTree& tree) const {
+  /// Whether so little is proven that the rest would take many times the cubes there are. The worst
+  /// comes first, so a proof may be behind by some.
+  [[nodiscard]] bool is_slow() const {
+    return cubes_ >= slow_after * max_cubes_ && cubes_ > most_behind * max_cubes_ * proven_;
+  }
+
+  /// Takes what is told in the cube above, and makes it what is told in this one.
+  Judgement judge(CandidateTree& tree, Told& known) const {
     const Candidates& candidates = tree.candidates;
     const Cube& cube = tree.cube;
     const std::optional<bool>& inside = tree.inside;
     const double distance = candidates.only_kind().distance() - felt_nearer(surface_, candidates);
     const bool side = tree.is_middle_inside(surface_);
     const double truth = side ? -distance : distance;
-    Told told;
-    told.count = fields_.size();
-    for (std::size_t k = 0; k < told.count; ++k) {
-      told.maps[k] = fields_[k]->about(cube.middle, cube.half);
-    }
+    tell(cube, known);
     const Cone cone(surface_, candidates);
     const bool larger = pair_.larger;
-    double value = of_both(told, told.maps[0].near.value, told.maps[1].near.value);
+    double value = of_both(known, known.maps[0].near.value, known.maps[1].near.value);
     EdgeBound edge;
-    if (told.count == 2 && pair_.edge) {
-      edge = bound_at_edge(told.maps, cube.half, larger);
+    if (known.count == 2 && pair_.edge) {
+      edge = bound_at_edge(known.maps, cube.half, larger);
       value = edge.value;
     }
-    if (is_off(value, truth)) return {Verdict::refuted};
+    if (known.count == 2 && !edge.edge) leave_one(cube, known);
+    Told told = known;
+    if (is_off(value, truth, told.off)) return {Verdict::refuted};
     Interval whole = by_directions(cube, cone, told, truth);
     // An edge may be farther than both.
     if (edge.edge) (larger ? whole.high += edge.past : whole.low -= edge.past);
@@ -217,9 +249,36 @@ class Proof {
   }
 
   /// Whether what a place is told, m, refutes the maps, so that dividing further is in vain.
-  [[nodiscard]] bool is_off(double told, double truth) const {
+  [[nodiscard]] bool is_off(double told, double truth, double off) const {
     const auto in_band = [&](double d) { return std::clamp(d, -band_.max_depth, band_.margin); };
-    return std::abs(in_band(told) - in_band(truth)) > tolerance_ + rounding;
+    return std::abs(in_band(told) - in_band(truth)) > tolerance_ + off + rounding;
+  }
+
+  /// What maps tell over a cube: what they do over the cube above it where that is exact enough.
+  /// An edge asks for how directions turn in this cube.
+  void tell(const Cube& cube, Told& told) const {
+    told.off = 0;
+    for (std::size_t k = 0; k < told.count; ++k) {
+      FieldBound& map = told.maps[k];
+      if (map.off <= exact_enough * tolerance_ && !(told.count == 2 && pair_.edge)) {
+        map.near = map.near.about(cube.middle);
+        told.off = std::max(told.off, map.off);
+      } else {
+        map = told.fields[k]->about(cube.middle, cube.half);
+      }
+    }
+  }
+
+  /// Of two maps leaves the one that counts, where it is the same in all of a cube.
+  void leave_one(const Cube& cube, Told& told) const {
+    std::array<double, 2> reach{};
+    for (std::size_t k = 0; k < 2; ++k) {
+      const Quadratic& map = told.maps[k].near;
+      reach[k] = cube.half * map.gradient.lpNorm<1>() +
+                 cube.half * cube.half * map.bend.cwiseAbs().sum() + told.maps[k].off + rounding;
+    }
+    const double apart = told.maps[0].near.value - told.maps[1].near.value;
+    if (std::abs(apart) > reach[0] + reach[1]) told.keep((apart > 0) == pair_.larger ? 0 : 1);
   }
 
   /// What maps make of their two values, or where they are `turned` of the negative values; of the

@@ -30,7 +30,7 @@ namespace spm::baker {
 namespace {
 
 /// Share of the tolerance by which samples may be off; the rest is for places between them.
-constexpr double fit_share = 0.9;
+constexpr double fit_share = 0.85;
 /// The octree may take so many times the fewest bytes that it could, where that makes it faster;
 /// and so many bytes in any case.
 constexpr double spent_bytes = 1.4, least_bytes = 8192;
@@ -158,12 +158,11 @@ class Builder {
       if (!is_few || !node.octants || has_map(*node.octants)) return;
       node.octants.reset();
     }
-    Candidates least = nearest_in_parts(surface_, tree.candidates, node.cube, 1);
+    keep_nearest(surface_, tree, 1);
     // Another packet takes as long as a first one, and such lists are most of an octree's words.
-    if (level == rules_.levels && least.size() > packet_size) {
-      least = nearest_in_parts(surface_, least, node.cube, 3);
+    if (level == rules_.levels && tree.candidates.size() > packet_size) {
+      keep_nearest(surface_, tree, 3);
     }
-    tree.candidates = std::move(least);
     keep_few(node, tree);
     become_list(node, tree);
   }
