@@ -88,80 +88,48 @@ HWY_INLINE Away away_from_segment(const Vectors& from_start, const Vector3& alon
   return Away(from_start.less(share, along));
 }
 
-using FourNumbers = std::array<double, 4>;
-
-/// 1 / number, or 0, of each.
-HWY_INLINE FourNumbers per_each(const FourNumbers& numbers) {
-  const hn::CappedTag<double, 4> lanes;
-  FourNumbers found{};
-  for (std::size_t k = 0; k < numbers.size(); k += hn::Lanes(lanes)) {
-    const auto number = hn::LoadU(lanes, numbers.data() + k);
-    const auto per = hn::Div(hn::Set(lanes, 1.0), number);
-    hn::StoreU(hn::IfThenElseZero(hn::Gt(number, hn::Zero(lanes)), per), lanes, found.data() + k);
-  }
-  return found;
-}
-
-/// A triangle as its distances are computed from.
-struct Plan {
-  Vector3 ab, ac, bc, to_b, to_c;
-  double per_area, per_ab, per_ac, per_bc;
-
-  HWY_INLINE explicit Plan(const std::array<Vector3, 3>& triangle)
-      : ab(triangle[1] - triangle[0]), ac(triangle[2] - triangle[0]), bc(ac - ab) {
-    const Vector3 normal = ab.cross(ac);
-    // One division of four numbers, since most of the time would go to four divisions.
-    const FourNumbers per =
-        per_each({normal.squaredNorm(), ab.squaredNorm(), ac.squaredNorm(), bc.squaredNorm()});
-    per_area = per[0];
-    per_ab = per[1];
-    per_ac = per[2];
-    per_bc = per[3];
-    to_b = per_area * ac.cross(normal);
-    to_c = per_area * normal.cross(ab);
-  }
-};
-
-/// From the k-th corner of the cube on. `triangle` is what the plan was made of.
-HWY_INLINE Away away_from(const Plan& plan, const std::array<Vector3, 3>& triangle,
+/// From the k-th corner of the cube on.
+HWY_INLINE Away away_from(const std::array<Vector3, 3>& triangle, const TriangleShares& shares,
                           const Vector3& middle, double half, std::size_t k) {
   const Lanes lanes;
+  const Vector3 ab = triangle[1] - triangle[0], ac = triangle[2] - triangle[0], bc = ac - ab;
   const Vectors from_a = vectors_from(k, middle - triangle[0], half);
   const Vectors from_b = vectors_from(k, middle - triangle[1], half);
-  Away nearest = away_from_segment(from_a, plan.ab, plan.per_ab);
-  nearest.take_nearer(away_from_segment(from_a, plan.ac, plan.per_ac));
-  nearest.take_nearer(away_from_segment(from_b, plan.bc, plan.per_bc));
-  if (plan.per_area > 0) {
+  Away nearest = away_from_segment(from_a, ab, shares.per_ab);
+  nearest.take_nearer(away_from_segment(from_a, ac, shares.per_ac));
+  nearest.take_nearer(away_from_segment(from_b, bc, shares.per_bc));
+  if (!shares.flat) {
     // Barycentric coordinates of the projections.
-    const Doubles weight_b = from_a.dot(plan.to_b), weight_c = from_a.dot(plan.to_c);
+    const Doubles weight_b = from_a.dot(shares.to_b), weight_c = from_a.dot(shares.to_c);
     const Doubles weight_a = hn::Sub(hn::Sub(hn::Set(lanes, 1.0), weight_b), weight_c);
     const auto over = hn::Ge(hn::Min(hn::Min(weight_b, weight_c), weight_a), hn::Zero(lanes));
-    const Away face(from_a.less(weight_b, plan.ab).less(weight_c, plan.ac));
+    const Away face(from_a.less(weight_b, ab).less(weight_c, ac));
     nearest.take(hn::And(over, hn::Lt(face.squares, nearest.squares)), face);
   }
   return nearest;
 }
 
-void find_distances(const std::array<Vector3, 3>& triangle, const Vector3& middle, double half,
-                    double* distances) {
+void find_distances(const std::array<Vector3, 3>& triangle, const TriangleShares& shares,
+                    const Vector3& middle, double half, double* distances) {
   const Lanes lanes;
-  const Plan plan(triangle);
   for (std::size_t k = 0; k < corners; k += hn::Lanes(lanes)) {
-    const Away nearest = away_from(plan, triangle, middle, half, k);
+    const Away nearest = away_from(triangle, shares, middle, half, k);
     hn::StoreU(hn::Sqrt(nearest.squares), lanes, distances + k);
   }
 }
 
-void find_vectors(const std::array<Vector3, 3>& triangle, const Vector3& middle, double half,
-                  CornerVectors& found) {
+void find_tangents(const std::array<Vector3, 3>& triangle, const TriangleShares& shares,
+                   const Vector3& middle, double half, CornerTangents& found) {
   const Lanes lanes;
-  const Plan plan(triangle);
   for (std::size_t k = 0; k < corners; k += hn::Lanes(lanes)) {
-    const Away nearest = away_from(plan, triangle, middle, half, k);
-    hn::StoreU(hn::Sqrt(nearest.squares), lanes, found.distances.data() + k);
-    hn::StoreU(nearest.vectors.x, lanes, found.away[0].data() + k);
-    hn::StoreU(nearest.vectors.y, lanes, found.away[1].data() + k);
-    hn::StoreU(nearest.vectors.z, lanes, found.away[2].data() + k);
+    const Away nearest = away_from(triangle, shares, middle, half, k);
+    const Doubles distances = hn::Sqrt(nearest.squares);
+    const Doubles per = hn::IfThenElseZero(hn::Gt(distances, hn::Zero(lanes)),
+                                           hn::Div(hn::Set(lanes, 1.0), distances));
+    hn::StoreU(distances, lanes, found.distances.data() + k);
+    hn::StoreU(hn::Mul(per, nearest.vectors.x), lanes, found.tangents[0].data() + k);
+    hn::StoreU(hn::Mul(per, nearest.vectors.y), lanes, found.tangents[1].data() + k);
+    hn::StoreU(hn::Mul(per, nearest.vectors.z), lanes, found.tangents[2].data() + k);
   }
 }
 
@@ -192,7 +160,7 @@ HWY_AFTER_NAMESPACE();
 namespace spm::baker {
 
 HWY_EXPORT(find_distances);
-HWY_EXPORT(find_vectors);
+HWY_EXPORT(find_tangents);
 HWY_EXPORT(find_which_above);
 
 CornerValues linear_at_corners(double value, const Vector3& rise) {
@@ -204,17 +172,26 @@ CornerValues linear_at_corners(double value, const Vector3& rise) {
   return values;
 }
 
-CornerValues corner_distances(const std::array<Vector3, 3>& triangle, const Vector3& middle,
-                              double half) {
+TriangleShares shares_of(const std::array<Vector3, 3>& triangle) {
+  const auto per = [](double number) { return number > 0 ? 1 / number : 0; };
+  const Vector3 ab = triangle[1] - triangle[0], ac = triangle[2] - triangle[0], bc = ac - ab;
+  const Vector3 normal = ab.cross(ac);
+  const double per_area = per(normal.squaredNorm());
+  return {per_area * ac.cross(normal), per_area * normal.cross(ab), per(ab.squaredNorm()),
+          per(ac.squaredNorm()),       per(bc.squaredNorm()),       !(per_area > 0)};
+}
+
+CornerValues corner_distances(const std::array<Vector3, 3>& triangle, const TriangleShares& shares,
+                              const Vector3& middle, double half) {
   CornerValues distances;
-  HWY_DYNAMIC_DISPATCH(find_distances)(triangle, middle, half, distances.data());
+  HWY_DYNAMIC_DISPATCH(find_distances)(triangle, shares, middle, half, distances.data());
   return distances;
 }
 
-CornerVectors corner_vectors(const std::array<Vector3, 3>& triangle, const Vector3& middle,
-                             double half) {
-  CornerVectors found;
-  HWY_DYNAMIC_DISPATCH(find_vectors)(triangle, middle, half, found);
+CornerTangents corner_tangents(const std::array<Vector3, 3>& triangle, const TriangleShares& shares,
+                               const Vector3& middle, double half) {
+  CornerTangents found;
+  HWY_DYNAMIC_DISPATCH(find_tangents)(triangle, shares, middle, half, found);
   return found;
 }
 

@@ -18,19 +18,32 @@ using CornerValues = Eigen::Array<double, 8, 1>;
 /// to each face, axis by axis.
 [[nodiscard]] CornerValues linear_at_corners(double value, const Vector3& rise);
 
+/// What distances from a triangle are computed with, beside its corners a, b and c: its divisions,
+/// which take longer than the rest.
+struct TriangleShares {
+  /// The share of b, and of c, at a projection is that of the vector from a along this; 1/m.
+  Vector3 to_b = Vector3::Zero(), to_c = Vector3::Zero();
+  double per_ab = 0, per_ac = 0, per_bc = 0;  ///< 1 / m^2, of the squares of the sides, or 0
+  bool flat = true;                           ///< without an area
+};
+[[nodiscard]] TriangleShares shares_of(const std::array<Vector3, 3>& triangle);
+
 /// Distances of a triangle from the corners of the cube of that middle and half edge, m; never
 /// below the exact ones by more than the rounding of doubles. Within the cube the distance is at
 /// most what these give in between, since it is convex.
 [[nodiscard]] CornerValues corner_distances(const std::array<Vector3, 3>& triangle,
-                                            const Vector3& middle, double half);
+                                            const TriangleShares& shares, const Vector3& middle,
+                                            double half);
 
-/// The same, and the vectors to the corners from the closest points of the triangle, axis by axis.
-struct CornerVectors {
+/// The same, and how they rise at the corners, axis by axis: unit vectors away from the closest
+/// points of the triangle, or 0 where it passes.
+struct CornerTangents {
   CornerValues distances;
-  std::array<CornerValues, 3> away;
+  std::array<CornerValues, 3> tangents;
 };
-[[nodiscard]] CornerVectors corner_vectors(const std::array<Vector3, 3>& triangle,
-                                           const Vector3& middle, double half);
+[[nodiscard]] CornerTangents corner_tangents(const std::array<Vector3, 3>& triangle,
+                                             const TriangleShares& shares, const Vector3& middle,
+                                             double half);
 
 /// A function that is linear over a cube, as linear_at_corners takes it.
 struct LinearFunction {

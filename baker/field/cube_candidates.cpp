@@ -63,13 +63,19 @@ std::size_t count_within(const std::vector<Candidate>& from, double most) {
 
 void find_witnesses(const LatticeSurface& surface, const Cube& cube,
                     const std::vector<Candidate>& from, double most, std::vector<Witness>& found) {
-  std::array<Candidate, most_witnesses> first;
+  std::array<const Candidate*, most_witnesses + 1> first{};
+  std::size_t count = 0;
+  for (const Candidate& candidate : from) {
+    if (candidate.distance > most) continue;
+    std::size_t at = count;
+    for (; at > 0 && nearer(candidate, *first[at - 1]); --at) first[at] = first[at - 1];
+    first[at] = &candidate;
+    count = std::min(count + 1, most_witnesses);
+  }
   found.reserve(most_witnesses);
-  const auto last =
-      std::partial_sort_copy(from.begin(), from.end(), first.begin(), first.end(), nearer);
-  for (auto one = first.begin(); one != last && one->distance <= most; ++one) {
-    found.push_back({one->triangle, corner_distances(surface.triangles[one->triangle].corners,
-                                                     cube.middle, cube.half)});
+  for (std::size_t i = 0; i < count; ++i) {
+    found.push_back({first[i]->triangle, surface.triangles[first[i]->triangle].corner_distances(
+                                             cube.middle, cube.half)});
   }
 }
 
@@ -77,19 +83,19 @@ void find_witnesses(const LatticeSurface& surface, const Cube& cube,
 /// in all of the cube, its distances at the corners are below the tangent. None is below its own.
 void keep_uncovered(const Cube& cube, const std::vector<Candidate>& from, double most,
                     std::span<const CornerValues> distances, std::vector<Candidate>& kept) {
-  thread_local std::vector<Candidate> tried;
+  thread_local std::vector<const Candidate*> tried;
   thread_local std::vector<LinearFunction> tangents;
   thread_local std::vector<std::uint8_t> covered;
   tried.clear();
   tangents.clear();
   for (const Candidate& candidate : from) {
     if (candidate.distance > most) continue;
-    tried.push_back(candidate);
+    tried.push_back(&candidate);
     tangents.push_back({candidate.distance - slack, cube.half * candidate.tangent});
   }
   find_above(tangents, distances, covered);
   for (std::size_t i = 0; i < tried.size(); ++i) {
-    if (covered[i] == 0) kept.push_back(tried[i]);
+    if (covered[i] == 0) kept.push_back(*tried[i]);
   }
 }
 
@@ -133,17 +139,17 @@ void add_near(const LatticeSurface& surface, const std::vector<Candidate>& aroun
   const double span = cube.radius() + 2 * slack;
   for (const Candidate& candidate : around) {
     // The middles of the octants are the corners of a cube of half the edge.
-    const CornerVectors seen =
-        corner_vectors(surface.triangles[candidate.triangle].corners, cube.middle, cube.half / 2);
+    const CornerTangents seen =
+        surface.triangles[candidate.triangle].corner_tangents(cube.middle, cube.half / 2);
     for (std::size_t octant = 0; octant < 8; ++octant) {
       const auto k = static_cast<Eigen::Index>(octant);
       const double distance = seen.distances[k];
       if (distance > nearest[octant] + span) continue;
       nearest[octant] = std::min(nearest[octant], distance);
-      const double per = distance > 0 ? 1 / distance : 0;
       (found[octant].*kind)
-          .push_back({candidate.triangle, distance,
-                      per * Vector3(seen.away[0][k], seen.away[1][k], seen.away[2][k])});
+          .push_back({candidate.triangle,
+                      distance,
+                      {seen.tangents[0][k], seen.tangents[1][k], seen.tangents[2][k]}});
     }
   }
 }
@@ -170,8 +176,8 @@ bool all_nearest_to_middles(const LatticeSurface& surface, const CandidatesOfKin
   std::array<CornerValues, 8> distances;
   CornerValues least = CornerValues::Constant(std::numeric_limits<double>::infinity());
   for (std::size_t i = 0; i < candidates.triangles.size(); ++i) {
-    distances[i] = corner_distances(surface.triangles[candidates.triangles[i].triangle].corners,
-                                    cube.middle, cube.half / 2);
+    distances[i] = surface.triangles[candidates.triangles[i].triangle].corner_distances(
+        cube.middle, cube.half / 2);
     least = least.min(distances[i]);
   }
   for (std::size_t i = 0; i < candidates.triangles.size(); ++i) {

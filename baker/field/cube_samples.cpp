@@ -52,7 +52,7 @@ std::array<Nearest, 8> nearest_to_corners(const LatticeSurface& surface,
         candidate.distance + candidate.tangent.dot(offset) - half * candidate.tangent.lpNorm<1>();
     if (tangent > most) continue;
     const CornerValues distances =
-        corner_distances(surface.triangles[candidate.triangle].corners, middle, half);
+        surface.triangles[candidate.triangle].corner_distances(middle, half);
     for (std::size_t k = 0; k < nearest.size(); ++k) {
       const auto at = static_cast<Eigen::Index>(k);
       if (distances[at] > least[at] + rounding) continue;

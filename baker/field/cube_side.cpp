@@ -22,8 +22,9 @@ std::array<double, places_of_cube> distances_of_places(const LatticeSurface& sur
   std::array<double, places_of_cube> away;
   away.fill(std::numeric_limits<double>::infinity());
   for (const std::uint32_t triangle : passing) {
-    const auto& corners = surface.any_triangle(triangle).corners;
-    const CornerValues distances = corner_distances(corners, cube.middle, cube.half);
+    const LatticeTriangle& passed = surface.any_triangle(triangle);
+    const auto& corners = passed.corners;
+    const CornerValues distances = passed.corner_distances(cube.middle, cube.half);
     for (std::size_t k = 0; k < 8; ++k) {
       away[k] = std::min(away[k], distances[static_cast<Eigen::Index>(k)]);
     }

@@ -79,6 +79,7 @@ void turn(LatticeTriangle& triangle, std::size_t by) {
       triangle.sides |= pack_side(static_cast<TriangleFeature>(part + k), side);
     }
   }
+  triangle.shares = shares_of(triangle.corners);
 }
 
 std::size_t shortest_side(const std::array<Vector3, 3>& corners) {

@@ -7,6 +7,7 @@
 #include <vector>
 
 #include "baker/cast/cast.hpp"
+#include "baker/field/corner_distances.hpp"
 #include "baker/surface/outer_surface.hpp"
 #include "common/field/feature_sides.hpp"
 
@@ -16,13 +17,22 @@ using LatticePoint = std::array<std::uint32_t, 3>;
 
 /// A triangle as the file will store it.
 struct LatticeTriangle {
-  std::array<Vector3, 3> corners;       ///< m, on the lattice; the first side is the shortest
+  std::array<Vector3, 3> corners;  ///< m, on the lattice; the first side is the shortest
+  TriangleShares shares;
   Vector3 normal = Vector3::Zero();     ///< unit; 0 where there is no area
   FeatureSides sides = 0;               ///< of places that are nearest to its sides and corners
   std::array<LatticePoint, 3> steps{};  ///< the corners, lattice steps from the origin
   bool sheet = false;
   bool thin = false;    ///< too thin for single precision
   bool folded = false;  ///< another lies on it and faces the other way
+
+  /// At the corners of a cube.
+  [[nodiscard]] CornerValues corner_distances(const Vector3& middle, double half) const {
+    return baker::corner_distances(corners, shares, middle, half);
+  }
+  [[nodiscard]] CornerTangents corner_tangents(const Vector3& middle, double half) const {
+    return baker::corner_tangents(corners, shares, middle, half);
+  }
 };
 
 /// The outer surface with its corners rounded to one lattice, so that what shares a corner shares

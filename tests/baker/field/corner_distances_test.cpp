@@ -32,16 +32,17 @@ TEST_CASE("The corners of a cube get the distances and directions that each gets
     const std::array<Vector3, 3> corners = random_triangle(i);
     const Vector3 middle = random_place(4 * i + 3);
     const double half = 0.3 * random_unit(5, i);
-    const CornerVectors found = corner_vectors(corners, middle, half);
-    const CornerValues distances = corner_distances(corners, middle, half);
+    const TriangleShares shares = shares_of(corners);
+    const CornerTangents found = corner_tangents(corners, shares, middle, half);
+    const CornerValues distances = corner_distances(corners, shares, middle, half);
     for (std::size_t k = 0; k < 8; ++k) {
       const auto at = static_cast<Eigen::Index>(k);
       const Vector3 corner = middle + half * octant_direction(k);
       const Vector3 away = corner - closest_on_triangle(corner, corners[0], corners[1], corners[2]);
       REQUIRE(std::abs(found.distances[at] - away.norm()) < 1e-12);
       REQUIRE(distances[at] == found.distances[at]);
-      const Vector3 told(found.away[0][at], found.away[1][at], found.away[2][at]);
-      REQUIRE((told - away).norm() < 1e-9);
+      const Vector3 told(found.tangents[0][at], found.tangents[1][at], found.tangents[2][at]);
+      REQUIRE((away.norm() * told - away).norm() < 1e-9);
     }
   }
 }
