@@ -68,6 +68,30 @@ bool is_wide(const Square& sums) {
   return (xx + yy) / 2 - std::hypot((xx - yy) / 2, xy) > least_spread;
 }
 
+/// Powers of the terms: unknown k is x to the first, y to the second of these.
+constexpr std::array<std::array<std::size_t, 2>, unknowns> powers{
+    {{0, 0}, {1, 0}, {0, 1}, {2, 0}, {0, 2}, {1, 1}}};
+/// What two terms make: all x^a y^b with a + b of no more than 4, for sums of which the few places
+/// are kept, in half spacings.
+constexpr std::size_t moment_count = 15, last_side = 2 * last_hits + 1;
+using Moments = Eigen::Array<double, moment_count, 1>;
+constexpr std::size_t moment(std::size_t a, std::size_t b) { return (a + b) * (a + b + 1) / 2 + b; }
+
+std::vector<Moments> all_moments() {
+  std::vector<Moments> all(last_side * last_side);
+  for (int j = -last_hits, at = 0; j <= last_hits; ++j) {
+    for (int i = -last_hits; i <= last_hits; ++i, ++at) {
+      for (std::size_t a = 0; a <= 4; ++a) {
+        for (std::size_t b = 0; a + b <= 4; ++b) {
+          all[static_cast<std::size_t>(at)][static_cast<Eigen::Index>(moment(a, b))] =
+              std::pow(0.5 * i, a) * std::pow(0.5 * j, b);
+        }
+      }
+    }
+  }
+  return all;
+}
+
 /// Makes heights of hits.
 class Filter {
  public:
@@ -95,23 +119,33 @@ class Filter {
  private:
   const ChartHits& hits_;
   inline static const std::array<double, near_side* near_side> filter_ = whole_filter();
+  inline static const std::vector<Moments> moments_ = all_moments();
 
   [[nodiscard]] double fitted(std::int64_t column, std::int64_t row, int reach,
                               double bending) const {
-    Square normal = Square::Zero();
+    Moments sums = Moments::Zero();
     Column right = Column::Zero();
     int found = 0;
     for (int j = -reach; j <= reach; ++j) {
       for (int i = -reach; i <= reach; ++i) {
         const float hit = hits_.at(column + i, row + j);
         if (std::isnan(hit)) continue;
-        const Row terms_here = terms(0.5 * i, 0.5 * j);
-        normal += terms_here.transpose() * terms_here;
-        right += terms_here.transpose() * static_cast<double>(hit);
+        sums += moments_[static_cast<std::size_t>((j + last_hits) * static_cast<int>(last_side) +
+                                                  i + last_hits)];
+        right += terms(0.5 * i, 0.5 * j).transpose() * static_cast<double>(hit);
         ++found;
       }
     }
-    if (found < unknowns || !is_wide(normal)) return std::numeric_limits<double>::quiet_NaN();
+    if (found < unknowns) return std::numeric_limits<double>::quiet_NaN();
+    Square normal;
+    for (std::size_t r = 0; r < unknowns; ++r) {
+      for (std::size_t c = 0; c < unknowns; ++c) {
+        normal(static_cast<Eigen::Index>(r), static_cast<Eigen::Index>(c)) =
+            sums[static_cast<Eigen::Index>(
+                moment(powers[r][0] + powers[c][0], powers[r][1] + powers[c][1]))];
+      }
+    }
+    if (!is_wide(normal)) return std::numeric_limits<double>::quiet_NaN();
     for (int k = 3; k < unknowns; ++k) normal(k, k) += bending * found;
     for (int k = 1; k < 3; ++k) normal(k, k) += 1e-9 * found;
     return coefficient().dot(normal.ldlt().solve(right));
