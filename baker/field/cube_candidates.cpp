@@ -190,45 +190,43 @@ bool all_nearest_to_middles(const LatticeSurface& surface, const CandidatesOfKin
 class Kept {
  public:
   explicit Kept(const Candidates& all) {
-    for (const auto* kind : {&all.solids, &all.sheets}) {
-      for (const Candidate& one : kind->triangles) triangles_.push_back(one.triangle);
-    }
+    each(all, [this](std::uint32_t triangle) { triangles_.push_back(triangle); });
     std::sort(triangles_.begin(), triangles_.end());
     kept_.resize(triangles_.size());
   }
-  [[nodiscard]] bool all() const { return count_ == kept_.size(); }
   [[nodiscard]] bool has(std::uint32_t triangle) const { return kept_[place(triangle)]; }
+  [[nodiscard]] bool has_all(const Candidates& part) const {
+    bool all = true;
+    each(part, [&](std::uint32_t triangle) { all = all && has(triangle); });
+    return all;
+  }
   void add(const Candidates& part) {
-    for (const auto* kind : {&part.solids, &part.sheets}) {
-      for (const Candidate& one : kind->triangles) {
-        const std::size_t at = place(one.triangle);
-        if (!kept_[at]) ++count_;
-        kept_[at] = true;
-      }
-    }
+    each(part, [this](std::uint32_t triangle) { kept_[place(triangle)] = true; });
   }
 
  private:
   std::vector<std::uint32_t> triangles_;  ///< in their order
   std::vector<bool> kept_;
-  std::size_t count_ = 0;
 
+  template <class Visit>
+  static void each(const Candidates& of, const Visit& visit) {
+    for (const auto* kind : {&of.solids, &of.sheets}) {
+      for (const Candidate& one : kind->triangles) visit(one.triangle);
+    }
+  }
   [[nodiscard]] std::size_t place(std::uint32_t triangle) const {
     return static_cast<std::size_t>(
         std::lower_bound(triangles_.begin(), triangles_.end(), triangle) - triangles_.begin());
   }
 };
 
-/// Whether all are kept, of which the search then ends.
-bool add_parts(const LatticeSurface& surface, CandidateTree& tree, int halvings, Kept& kept) {
+void add_parts(const LatticeSurface& surface, CandidateTree& tree, int halvings, Kept& kept) {
+  if (kept.has_all(tree.candidates)) return;
   if (halvings == 0) {
     kept.add(tree.candidates);
-    return kept.all();
+    return;
   }
-  std::array<CandidateTree, 8>& parts = tree.parts(surface);
-  return std::any_of(parts.begin(), parts.end(), [&](CandidateTree& part) {
-    return add_parts(surface, part, halvings - 1, kept);
-  });
+  for (CandidateTree& part : tree.parts(surface)) add_parts(surface, part, halvings - 1, kept);
 }
 
 }  // namespace
@@ -338,7 +336,7 @@ void keep_nearest(const LatticeSurface& surface, CandidateTree& tree, int halvin
   Candidates& all = tree.candidates;
   if (!all.mixed() && all_nearest_to_middles(surface, all.only_kind(), tree.cube)) return;
   Kept kept(all);
-  if (add_parts(surface, tree, halvings, kept)) return;
+  add_parts(surface, tree, halvings, kept);
   for (auto* kind : {&all.solids, &all.sheets}) {
     std::erase_if(kind->triangles, [&](const Candidate& one) { return !kept.has(one.triangle); });
   }

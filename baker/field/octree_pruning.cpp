@@ -257,7 +257,7 @@ int join_roots(int most, const RootMaker& make_root, OctreeRoots& roots) {
 }
 
 bool part_roots(const RootMaker& make_root, OctreeRoots& roots) {
-  constexpr double worth_parting = 0.1;  // as many bytes more, for looking into one cube less
+  constexpr double worth_parting = 0.09;  // as many bytes more, for looking into one cube less
   double more = 7 * root_bytes * static_cast<double>(roots.nodes.size());
   for (const OctreeNode& root : roots.nodes) {
     more += word_bytes *
