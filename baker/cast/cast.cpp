@@ -305,7 +305,7 @@ void keep_nearest(const Candidate& candidate, const Candidate*& nearest) {
 
 }  // namespace
 
-ClosestPoint Caster::closest(const Vector3& point) const {
+ClosestPoint Caster::closest(const Vector3& point, double within) const {
   const Implementation& self = *implementation_;
   struct Search {
     const Implementation* self;
@@ -313,6 +313,14 @@ ClosestPoint Caster::closest(const Vector3& point) const {
     double tie;
     double nearest_solid, nearest_sheet;
     std::vector<Candidate>* candidates;
+
+    /// How far to look where something is so near. A solid that is farther than the nearest sheet
+    /// by the half-thickness is no nearer to be felt. Single precision: keeps enough slack that no
+    /// competing triangle is lost.
+    [[nodiscard]] float reach(double least) const {
+      return static_cast<float>((least + self->sheet_thickness + tie) * (1 + 1e-5) +
+                                1e-6 * self->diagonal);
+    }
   };
   thread_local std::vector<Candidate> candidates;
   candidates.clear();
@@ -323,7 +331,7 @@ ClosestPoint Caster::closest(const Vector3& point) const {
   query.x = static_cast<float>(local.x());
   query.y = static_cast<float>(local.y());
   query.z = static_cast<float>(local.z());
-  query.radius = std::numeric_limits<float>::infinity();
+  query.radius = search.reach(within);
   RTCPointQueryContext context;
   rtcInitPointQueryContext(&context);
   const auto visit = [](RTCPointQueryFunctionArguments* arguments) {
@@ -338,11 +346,7 @@ ClosestPoint Caster::closest(const Vector3& point) const {
     io.candidates->push_back({distance, closest_point, triangle});
     if (distance >= nearest) return false;
     nearest = distance;
-    // A solid that is farther than the nearest sheet by the half-thickness is no nearer to be felt.
-    const double least = std::min(io.nearest_solid, io.nearest_sheet) + io.self->sheet_thickness;
-    // Single precision: keep enough slack that no competing triangle is lost.
-    arguments->query->radius =
-        static_cast<float>((least + io.tie) * (1 + 1e-5) + 1e-6 * io.self->diagonal);
+    arguments->query->radius = io.reach(std::min(io.nearest_solid, io.nearest_sheet));
     return true;
   };
   rtcPointQuery(self.points, &query, &context, visit, &search);

@@ -2,6 +2,7 @@
 #pragma once
 
 #include <cstdint>
+#include <limits>
 #include <memory>
 #include <optional>
 #include <vector>
@@ -60,8 +61,9 @@ class Caster {
   [[nodiscard]] std::optional<Crossing> first_between(const SupportPlane& plane, double eta,
                                                       double omega, double from, double to) const;
 
-  /// The closest point of the surface.
-  [[nodiscard]] ClosestPoint closest(const Vector3& point) const;
+  /// The closest point of the surface. Found sooner where some of it is known to lie `within`, m.
+  [[nodiscard]] ClosestPoint closest(const Vector3& point,
+                                     double within = std::numeric_limits<double>::infinity()) const;
 
   /// The winding number of what tells the side: of the solids' triangles, or of
   /// OuterSurface::sides.

@@ -92,25 +92,56 @@ std::vector<Moments> all_moments() {
   return all;
 }
 
+/// How many hits there are around a place.
+class HitCounts {
+ public:
+  explicit HitCounts(const ChartHits& hits)
+      : columns_(hits.columns), rows_(hits.rows), above_left_((columns_ + 1) * (rows_ + 1), 0) {
+    for (std::int64_t row = 0; row < rows_; ++row) {
+      std::uint32_t in_row = 0;
+      for (std::int64_t column = 0; column < columns_; ++column) {
+        in_row += std::isnan(hits.at(column, row)) ? 0 : 1;
+        above_left_[place(column + 1, row + 1)] = above_left_[place(column + 1, row)] + in_row;
+      }
+    }
+  }
+  /// No farther away than so many columns and rows.
+  [[nodiscard]] std::uint32_t within(std::int64_t column, std::int64_t row, int reach) const {
+    const auto from_column = std::clamp<std::int64_t>(column - reach, 0, columns_),
+               to_column = std::clamp<std::int64_t>(column + reach + 1, 0, columns_),
+               from_row = std::clamp<std::int64_t>(row - reach, 0, rows_),
+               to_row = std::clamp<std::int64_t>(row + reach + 1, 0, rows_);
+    return above_left_[place(to_column, to_row)] - above_left_[place(from_column, to_row)] -
+           above_left_[place(to_column, from_row)] + above_left_[place(from_column, from_row)];
+  }
+
+ private:
+  std::int64_t columns_, rows_;
+  std::vector<std::uint32_t> above_left_;  ///< of all places before a column and a row
+
+  [[nodiscard]] std::size_t place(std::int64_t column, std::int64_t row) const {
+    return static_cast<std::size_t>(row * (columns_ + 1) + column);
+  }
+};
+
 /// Makes heights of hits.
 class Filter {
  public:
-  explicit Filter(const ChartHits& hits) : hits_(hits) {}
+  explicit Filter(const ChartHits& hits) : hits_(hits), counts_(hits) {}
 
   /// The coefficient at a hit's place; NaN where too few hits are around it.
   [[nodiscard]] double at(std::int64_t column, std::int64_t row) const {
-    double sum = 0;
-    std::size_t found = 0;
-    std::size_t which = 0;
-    for (int j = -near_hits; j <= near_hits; ++j) {
-      for (int i = -near_hits; i <= near_hits; ++i, ++which) {
-        const float hit = hits_.at(column + i, row + j);
-        if (std::isnan(hit)) continue;
-        sum += filter_[which] * static_cast<double>(hit);
-        ++found;
+    const std::uint32_t found = counts_.within(column, row, near_hits);
+    if (found == near_side * near_side) {
+      double sum = 0;
+      std::size_t which = 0;
+      for (int j = -near_hits; j <= near_hits; ++j) {
+        for (int i = -near_hits; i <= near_hits; ++i) {
+          sum += filter_[which++] * static_cast<double>(hits_.at(column + i, row + j));
+        }
       }
+      return sum;
     }
-    if (found == near_side * near_side) return sum;
     if (found > near_side * near_side / 2) return fitted(column, row, near_hits, ridge);
     const double height = fitted(column, row, far_hits, ridge);
     return std::isnan(height) ? fitted(column, row, last_hits, last_ridge) : height;
@@ -118,14 +149,16 @@ class Filter {
 
  private:
   const ChartHits& hits_;
+  HitCounts counts_;
   inline static const std::array<double, near_side* near_side> filter_ = whole_filter();
   inline static const std::vector<Moments> moments_ = all_moments();
 
   [[nodiscard]] double fitted(std::int64_t column, std::int64_t row, int reach,
                               double bending) const {
+    const std::uint32_t found = counts_.within(column, row, reach);
+    if (found < unknowns) return std::numeric_limits<double>::quiet_NaN();
     Moments sums = Moments::Zero();
     Column right = Column::Zero();
-    int found = 0;
     for (int j = -reach; j <= reach; ++j) {
       for (int i = -reach; i <= reach; ++i) {
         const float hit = hits_.at(column + i, row + j);
@@ -133,10 +166,8 @@ class Filter {
         sums += moments_[static_cast<std::size_t>((j + last_hits) * static_cast<int>(last_side) +
                                                   i + last_hits)];
         right += terms(0.5 * i, 0.5 * j).transpose() * static_cast<double>(hit);
-        ++found;
       }
     }
-    if (found < unknowns) return std::numeric_limits<double>::quiet_NaN();
     Square normal;
     for (std::size_t r = 0; r < unknowns; ++r) {
       for (std::size_t c = 0; c < unknowns; ++c) {

@@ -29,11 +29,15 @@ struct OffsetHit {
   ClosestPoint closest;
 };
 
-/// From a depth nearby on.
+/// From a depth nearby on. `near` is a point of the surface near the ray, if one is known.
 std::optional<OffsetHit> meet_offset(const Caster& caster, double offset, const SupportPlane& plane,
-                                     const Vector3& on_plane, double depth) {
+                                     const Vector3& on_plane, double depth,
+                                     std::optional<Vector3> near) {
   for (int k = 0; k < max_steps; ++k) {
-    const ClosestPoint closest = caster.closest(on_plane - depth * plane.n);
+    const Vector3 point = on_plane - depth * plane.n;
+    const ClosestPoint closest =
+        near ? caster.closest(point, (point - *near).norm()) : caster.closest(point);
+    near = closest.closest_point;
     const double left = closest.distance - offset, facing = closest.direction.dot(plane.n);
     if (facing < lost_cosine) return std::nullopt;
     depth += left / std::max(facing, least_cosine);
@@ -121,12 +125,12 @@ void ChartHits::go_to_offset(const Caster& caster, double offset) {
   least = infinity;
   most = -infinity;
   std::vector<OffsetHit> known(depths_.size());
-  const auto follow = [&](std::size_t place, double from) {
+  const auto follow = [&](std::size_t place, double from, std::optional<Vector3> near) {
     const std::size_t column = place % columns, row = place / columns;
     const Vector3 on_plane =
         support_plane_point(plane_, step_ * (column0 + static_cast<double>(column)),
                             step_ * (row0 + static_cast<double>(row)));
-    return meet_offset(caster, offset, plane_, on_plane, from);
+    return meet_offset(caster, offset, plane_, on_plane, from, near);
   };
   // By the tangent plane of a hit, so many columns and rows from there.
   const auto expected = [&](std::size_t from, int right, int down) {
@@ -140,7 +144,8 @@ void ChartHits::go_to_offset(const Caster& caster, double offset) {
     if (std::isnan(depths_[i])) continue;
     const bool beside_last = !border.empty() && border.back() + 1 == i;
     const std::optional<OffsetHit> hit =
-        follow(i, beside_last ? expected(i - 1, 1, 0) : static_cast<double>(depths_[i]));
+        beside_last ? follow(i, expected(i - 1, 1, 0), known[i - 1].closest.closest_point)
+                    : follow(i, static_cast<double>(depths_[i]), std::nullopt);
     depths_[i] = missing;
     if (!hit || !std::binary_search(chart_.triangles.begin(), chart_.triangles.end(),
                                     hit->closest.triangle)) {
@@ -160,7 +165,8 @@ void ChartHits::go_to_offset(const Caster& caster, double offset) {
         if (!has(column + right, row + down)) continue;
         const std::size_t beside = place(column + right, row + down);
         if (!std::isnan(depths_[beside])) continue;
-        const std::optional<OffsetHit> hit = follow(beside, expected(from, right, down));
+        const std::optional<OffsetHit> hit =
+            follow(beside, expected(from, right, down), known[from].closest.closest_point);
         if (!hit || (hit->closest.closest_point - known[from].closest.closest_point).norm() >
                         smooth_steps * step_) {
           continue;
