@@ -33,7 +33,7 @@ namespace {
 constexpr double fit_share = 0.85;
 /// The octree may take so many times the fewest bytes that it could, where that makes it faster;
 /// and so many bytes in any case.
-constexpr double spent_bytes = 1.4, least_bytes = 8192;
+constexpr double spent_bytes = 1.6, least_bytes = 8192;
 /// Cubes are divided until the octree has so many times the bytes that it may keep.
 constexpr double tried_bytes = 4;
 /// Around cubes beyond the band only so many triangles are looked at whether they are few.
