@@ -15,8 +15,8 @@ namespace {
                              "a thickness");
 }
 
-baker::OuterSurface solid_surface(const baker::Mesh& mesh) {
-  baker::OuterSurface surface = baker::outer_surface(mesh);
+baker::OuterSurface solid_surface(const baker::Mesh& mesh, double narrow) {
+  baker::OuterSurface surface = baker::outer_surface(mesh, narrow);
   if (surface.solid_count == 0) refuse(mesh);
   return surface;
 }
@@ -27,9 +27,9 @@ Model::Model(const ModelSource& source, baker::Mesh loaded)
     : name(source.name),
       tolerance(source.tolerance),
       mesh(std::move(loaded)),
-      surface(solid_surface(mesh)),
+      surface(solid_surface(mesh, baker::narrow_share * tolerance)),
       caster(surface),
-      truth(mesh) {
+      truth(mesh, 0, tolerance) {
   if (truth.empty()) refuse(mesh);
 }
 
