@@ -73,6 +73,18 @@ def label(axes, place, text, colour, offset, **style) -> None:
                   color=colour, bbox=BACKGROUND, annotation_clip=False, **style)
 
 
+def rows_before(report: dict, mesh: str | None = None) -> list[dict]:
+    """What spm was, by its tolerances: of one mesh, or of all. A report of one's own has none."""
+    rows = report["before"]["rows"] if "before" in report else []
+    return sorted((row for row in rows if row["method"] == "spm" and mesh in (None, row["mesh"])),
+                  key=lambda row: row["setting_um"])
+
+
+def line_of_before(report: dict) -> str:
+    """For a key."""
+    return f"Dashed: spm as it was, {report['before']['what']}." if "before" in report else ""
+
+
 def save(figure, prefix: str) -> None:
     """PREFIX.svg and PREFIX.png; the same bytes for the same figure."""
     figure.savefig(f"{prefix}.svg", dpi=150, metadata={"Date": None})

@@ -9,8 +9,8 @@ Needs matplotlib, Debian package python3-matplotlib: run it with /usr/bin/python
 import sys
 
 from chart_io import report_and_prefix
-from chart_style import (COLOURS, LEAST_ERROR, NAMES, OURS, label, length, log_panel, mesh_panels,
-                         save)
+from chart_style import (COLOURS, LEAST_ERROR, NAMES, OURS, label, length, line_of_before, log_panel,
+                         mesh_panels, rows_before, save)
 
 from matplotlib.ticker import FixedLocator, NullLocator
 
@@ -78,7 +78,7 @@ def draw_ours(axes, report: dict, mesh: str, tolerance: float) -> None:
     if not rows:
         return
     x, y = points(rows)
-    axes.plot(*points(rows_of(report["before"], mesh, "spm")), color=OURS, linewidth=1.2, alpha=0.6,
+    axes.plot(*points(rows_before(report, mesh)), color=OURS, linewidth=1.2, alpha=0.6,
               linestyle=(0, (3, 2)), zorder=4)
     axes.plot(x, y, color=OURS, linewidth=2.2, marker="o", markersize=5, markeredgecolor="white",
               markeredgewidth=0.6, zorder=5)
@@ -140,7 +140,7 @@ def draw_key(axes, report: dict) -> None:
         ("", "#444444", "normal"),
         ("spm: small figures are the tolerance asked for, um;", OURS, "normal"),
         ("the ring marks the one of the project's table.", OURS, "normal"),
-        (f"Dashed: spm as it was, {report['before']['what']}.", OURS, "normal"),
+        (line_of_before(report), OURS, "normal"),
         ("dense SDF, OpenVDB, NanoVDB (8 bits): cells of", COLOURS["dense-sdf"], "normal"),
         (", ".join(length(v) for v in voxels) + ".", COLOURS["dense-sdf"], "normal"),
         ("adaptive SDF: the tolerances of spm, from 50 um.", COLOURS["adaptive-sdf"], "normal"),

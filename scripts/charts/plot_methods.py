@@ -9,8 +9,8 @@ Needs matplotlib, Debian package python3-matplotlib: run it with /usr/bin/python
 import sys
 
 from chart_io import report_and_prefix
-from chart_style import (BACKGROUND, COLOURS, LEAST_ERROR, NAMES, OURS, log_panel, mesh_panels,
-                         save)
+from chart_style import (BACKGROUND, COLOURS, LEAST_ERROR, NAMES, OURS, line_of_before, log_panel,
+                         mesh_panels, rows_before, save)
 from label_places import LabelPlaces
 
 from matplotlib.ticker import FixedLocator, NullLocator
@@ -117,6 +117,9 @@ def draw_mesh(axes, report: dict, model: dict, limits: dict) -> None:
                    key=lambda row: row["setting_um"])
     axes.plot([row["ns"]["hot"] for row in curve], [level(row, limits) for row in curve],
               color=OURS, linewidth=2.2, zorder=4)
+    earlier = rows_before(report, model["mesh"])
+    axes.plot([row["ns"]["hot"] for row in earlier], [level(row, limits) for row in earlier],
+              color=OURS, linewidth=1.2, alpha=0.6, linestyle=(0, (3, 2)), zorder=4)
     # Large marks first, so that small ones are seen.
     for row in sorted(rows, key=lambda row: -row["bytes"]):
         draw_row(axes, row, limits)
@@ -124,7 +127,8 @@ def draw_mesh(axes, report: dict, model: dict, limits: dict) -> None:
 
 def limits_of(report: dict) -> dict:
     """One pair of scales for all panels, with a strip of lanes below for what has no error."""
-    errors = [row["depth_error_um"]["p99"] for row in report["rows"] if not is_exact(row)]
+    errors = [row["depth_error_um"]["p99"] for row in report["rows"] + rows_before(report)
+              if not is_exact(row)]
     times = [time for row in report["rows"] for time in row["ns"].values()]
     floor, top = min(errors) / 1.6, max(errors) * 1.8
     share = LANE * len(LANES) / 2
@@ -143,6 +147,7 @@ def draw_key(axes, report: dict) -> None:
         ("Filled: a path in steps of 0.1 mm, all in the caches (hot).", "#444444", "normal"),
         ("Hollow: the caches emptied before the query (cold).", "#444444", "normal"),
         ("spm: the curve of its tolerances, um; the ring marks the mesh's own.", OURS, "normal"),
+        (line_of_before(report), OURS, "normal"),
         ("Grey lanes: methods that keep all triangles have no error.", "#444444", "normal"),
         ("mesh proxy: errors along the path, since it remembers;", COLOURS["mesh-proxy"], "normal"),
         ("all other errors at places uniform by area.", "#444444", "normal"),
@@ -152,7 +157,7 @@ def draw_key(axes, report: dict) -> None:
         (f"One pinned core of: {machine['processor']}", "#666666", "normal"),
     ]
     for i, (text, colour, weight) in enumerate(lines):
-        axes.text(0.0, 0.99 - 0.066 * i, text, va="top", color=colour, fontweight=weight,
+        axes.text(0.0, 0.99 - 0.06 * i, text, va="top", color=colour, fontweight=weight,
                   fontsize=11 if weight == "bold" else 8.5)
     axes.text(0.0, 0.24, "Area of a mark: as the root of its bytes", va="top", color="#444444",
               fontsize=8.5)
