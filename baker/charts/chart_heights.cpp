@@ -71,9 +71,8 @@ bool is_wide(const Square& sums) {
 /// Powers of the terms: unknown k is x to the first, y to the second of these.
 constexpr std::array<std::array<std::size_t, 2>, unknowns> powers{
     {{0, 0}, {1, 0}, {0, 1}, {2, 0}, {0, 2}, {1, 1}}};
-/// What two terms make: all x^a y^b with a + b of no more than 4, for sums of which the few places
-/// are kept, in half spacings.
-constexpr std::size_t moment_count = 15, last_side = 2 * last_hits + 1;
+/// What two terms make: all x^a y^b with a + b of no more than 4. Kept for each place of a hit.
+constexpr std::size_t moment_count = 15, last_side = std::size_t{2} * last_hits + 1;
 using Moments = Eigen::Array<double, moment_count, 1>;
 constexpr std::size_t moment(std::size_t a, std::size_t b) { return (a + b) * (a + b + 1) / 2 + b; }
 
@@ -163,8 +162,8 @@ class Filter {
       for (int i = -reach; i <= reach; ++i) {
         const float hit = hits_.at(column + i, row + j);
         if (std::isnan(hit)) continue;
-        sums += moments_[static_cast<std::size_t>((j + last_hits) * static_cast<int>(last_side) +
-                                                  i + last_hits)];
+        sums += moments_[static_cast<std::size_t>(j + last_hits) * last_side +
+                         static_cast<std::size_t>(i + last_hits)];
         right += terms(0.5 * i, 0.5 * j).transpose() * static_cast<double>(hit);
       }
     }

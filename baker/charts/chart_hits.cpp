@@ -125,7 +125,7 @@ void ChartHits::go_to_offset(const Caster& caster, double offset) {
   least = infinity;
   most = -infinity;
   std::vector<OffsetHit> known(depths_.size());
-  const auto follow = [&](std::size_t place, double from, std::optional<Vector3> near) {
+  const auto follow = [&](std::size_t place, double from, const std::optional<Vector3>& near) {
     const std::size_t column = place % columns, row = place / columns;
     const Vector3 on_plane =
         support_plane_point(plane_, step_ * (column0 + static_cast<double>(column)),
