@@ -6,11 +6,13 @@ licences, the top level, and that each equation of the paper has a function that
 Usage: architecture_test.py SOURCE_DIR BUILD_DIR [unittest options]
 """
 
+import os
 import re
 import subprocess
 import sys
 import tempfile
 import unittest
+from fnmatch import fnmatch
 from graphlib import TopologicalSorter
 from pathlib import Path
 
@@ -227,6 +229,27 @@ class Folders(unittest.TestCase):
         missing = [room for room in rooms() if room.split("/")[0] in ROOMS_WITH_PAGES
                    and not (SOURCE / room / "README.md").is_file()]
         self.assertEqual(missing, [])
+
+    def test_a_room_s_page_names_the_files_of_the_room_and_no_others(self) -> None:
+        """Anywhere on the page; with a star where one row tells of several. What a table of files
+        names is there."""
+        wrong = []
+        for room in rooms():
+            if room.split("/")[0] not in ROOMS_WITH_PAGES:
+                continue
+            page = text_of(Path(room) / "README.md")
+            there = {path.name for path in project_files() if str(path.parent) == room and is_cpp(path)}
+            stars = [name for name in re.findall(r"`([\w.*]+)`", page) if "*" in name]
+            wrong += [f"{room}/README.md does not name {name}" for name in sorted(there)
+                      if not re.search(rf"\b{re.escape(Path(name).stem)}\b", page)
+                      and not any(fnmatch(name, star) for star in stars)]
+            for table in re.findall(r"^\| file \|.*\n\|[-|]+\n((?:\|.*\n?)+)", page, re.MULTILINE):
+                cells = [row.split("|")[1] for row in table.splitlines()]
+                wrong += [f"{room}/README.md names {name}, which is not there" for cell in cells
+                          for name in re.findall(r"`([\w*]+(?:\.\w+)?)`", cell)
+                          if not any(fnmatch(file, name) or Path(file).stem == name
+                                     for file in os.listdir(SOURCE / room))]
+        self.assertEqual(wrong, [])
 
     def test_only_the_baker_and_tests_include_cgal_and_embree(self) -> None:
         wrong = [f"{path}: <{name}>" for path in filter(is_cpp, project_files())
