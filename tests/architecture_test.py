@@ -230,7 +230,7 @@ class Folders(unittest.TestCase):
                    and not (SOURCE / room / "README.md").is_file()]
         self.assertEqual(missing, [])
 
-    def test_a_room_s_page_names_the_files_of_the_room_and_no_others(self) -> None:
+    def test_the_page_of_a_room_names_its_files_and_no_others(self) -> None:
         """Anywhere on the page; with a star where one row tells of several. What a table of files
         names is there."""
         wrong = []
