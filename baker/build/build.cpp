@@ -14,6 +14,7 @@
 #include "baker/base/stopwatch.hpp"
 #include "baker/build/lids_report.hpp"
 #include "baker/build/time_limit.hpp"
+#include "baker/cast/exact_tree.hpp"
 #include "baker/mesh/load.hpp"
 #include "baker/reachability/reachability.hpp"
 #include "baker/trials/answer_shares.hpp"
@@ -405,6 +406,8 @@ BuildReport run_build(const BuildRequest& request, const Progress& progress) {
   report.notes = baked.report.notes;
   report.json = to_json(request, mesh, baked, check, written, seconds);
   report.json["derived"] = report.derived;
+  const std::uint64_t bytes = written.bytes.total, tree = exact_tree_bytes(mesh, bytes);
+  report.json["exact_tree_bytes"] = tree < bytes ? Json(tree) : Json();
   return report;
 }
 
@@ -478,6 +481,10 @@ std::string describe(const BuildReport& report) {
       100 * fallback["cells"].get<double>());
   if (json.contains("answers")) {
     text += "\nanswers  " + answers_text(json);
+  }
+  if (json.contains("exact_tree_bytes") && !json["exact_tree_bytes"].is_null()) {
+    text += fmt::format("\nsmaller  a compact tree of the mesh's exact triangles: {} bytes",
+                        json["exact_tree_bytes"].get<std::uint64_t>());
   }
   const Json& seconds = json["seconds"];
   text += fmt::format(

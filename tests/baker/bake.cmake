@@ -1,5 +1,5 @@
 # SPDX-License-Identifier: GPL-3.0-or-later
-add_executable(bake_tests pipeline/bake_accuracy_test.cpp pipeline/bake_test.cpp cast/cast_test.cpp charts/charts_test.cpp
+add_executable(bake_tests pipeline/bake_accuracy_test.cpp pipeline/bake_test.cpp cast/cast_test.cpp cast/exact_tree_test.cpp charts/charts_test.cpp
                           field/corner_distances_test.cpp field/feature_sides_test.cpp
                           field/edge_bound_test.cpp field/edge_collapse_test.cpp field/octree_test.cpp field/surface_distance_test.cpp mesh/sliver_removal_test.cpp
                           pictures/export_test.cpp pictures/picture_legend_test.cpp
