@@ -401,12 +401,12 @@ BuildReport run_build(const BuildRequest& request, const Progress& progress) {
   tell("write");
   const Written written = write(baked.asset, request.output);
   seconds.write = seconds_since(writing);
+  const std::uint64_t bytes = written.bytes.total, tree = exact_tree_bytes(mesh, bytes);
   seconds.total = seconds_since(start);
 
   report.notes = baked.report.notes;
   report.json = to_json(request, mesh, baked, check, written, seconds);
   report.json["derived"] = report.derived;
-  const std::uint64_t bytes = written.bytes.total, tree = exact_tree_bytes(mesh, bytes);
   report.json["exact_tree_bytes"] = tree < bytes ? Json(tree) : Json();
   return report;
 }

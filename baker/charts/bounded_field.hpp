@@ -33,6 +33,15 @@ struct FieldBound {
   double off = 0;
   Vector3 normal = Vector3::Zero();  ///< of length 1: n_S in the middle
   double turn = 0;                   ///< n_S of length 1 is no farther from it in all the cube
+
+  /// Over the cube with edges of twice `half`, m: how far the field is from the linear part of the
+  /// quadratic at the most, and from its value in the middle.
+  [[nodiscard]] double bent(double half) const {
+    return half * half * near.bend.cwiseAbs().sum() + off;
+  }
+  [[nodiscard]] double reach(double half) const {
+    return half * near.gradient.lpNorm<1>() + bent(half);
+  }
 };
 
 /// A signed distance as an asset tells it, bounded over cubes.

@@ -33,8 +33,8 @@ EdgeBound bound_at_edge(const std::array<FieldBound, 2>& fields, double half, bo
   const double turn = fields[0].turn + fields[1].turn + fields[0].turn * fields[1].turn;
   std::array<double, 2> bent{}, reach{};
   for (std::size_t k = 0; k < 2; ++k) {
-    bent[k] = half * half * field[k].bend.cwiseAbs().sum() + fields[k].off;
-    reach[k] = half * field[k].gradient.lpNorm<1>() + bent[k];
+    bent[k] = fields[k].bent(half);
+    reach[k] = fields[k].reach(half);
   }
   EdgeDistance at = edge_distance(field[0].value, field[1].value, cosine);
   EdgeBound bound;

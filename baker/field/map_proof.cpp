@@ -187,24 +187,23 @@ class Proof {
   }
 
   /// Takes what is told in the cube above, and makes it what is told in this one.
-  Judgement judge(CandidateTree& tree, Told& known) const {
+  Judgement judge(CandidateTree& tree, Told& told) const {
     const Candidates& candidates = tree.candidates;
     const Cube& cube = tree.cube;
     const std::optional<bool>& inside = tree.inside;
     const double distance = candidates.only_kind().distance() - felt_nearer(surface_, candidates);
     const bool side = tree.is_middle_inside(surface_);
     const double truth = side ? -distance : distance;
-    tell(cube, known);
+    tell(cube, told);
     const Cone cone(surface_, candidates);
     const bool larger = pair_.larger;
-    double value = of_both(known, known.maps[0].near.value, known.maps[1].near.value);
+    double value = of_both(told, told.maps[0].near.value, told.maps[1].near.value);
     EdgeBound edge;
-    if (known.count == 2 && pair_.edge) {
-      edge = bound_at_edge(known.maps, cube.half, larger);
+    if (told.count == 2 && pair_.edge) {
+      edge = bound_at_edge(told.maps, cube.half, larger);
       value = edge.value;
     }
-    if (known.count == 2 && !edge.edge) leave_one(cube, known);
-    Told told = known;
+    if (told.count == 2 && !edge.edge) leave_one(cube, told);
     if (is_off(value, truth, told.off)) return {Verdict::refuted};
     Interval whole = by_directions(cube, cone, told, truth);
     // An edge may be farther than both.
@@ -218,13 +217,14 @@ class Proof {
       if (beyond_tolerance(whole) <= 0) return {Verdict::holds};
     }
     if (edge.edge) {
-      told.count = 1;
-      told.maps[0].near = edge.near;
-      told.maps[0].near.value += (edge.above - edge.below) / 2;
-      told.maps[0].off = (edge.above + edge.below) / 2;
-      whole.meet(by_directions(cube, cone, told, truth));
+      Told by_edge;
+      by_edge.count = 1;
+      by_edge.maps[0].near = edge.near;
+      by_edge.maps[0].near.value += (edge.above - edge.below) / 2;
+      by_edge.maps[0].off = (edge.above + edge.below) / 2;
+      whole.meet(by_directions(cube, cone, by_edge, truth));
       if (beyond_tolerance(whole) <= 0) return {Verdict::holds};
-      if (inside) whole.meet(by_convexity(candidates, cube, told, *inside));
+      if (inside) whole.meet(by_convexity(candidates, cube, by_edge, *inside));
       if (beyond_tolerance(whole) <= 0) return {Verdict::holds};
     }
     // Wholly beyond the band it is enough to tell so. What is told beyond the margin may be too
@@ -271,14 +271,9 @@ class Proof {
 
   /// Of two maps leaves the one that counts, where it is the same in all of a cube.
   void leave_one(const Cube& cube, Told& told) const {
-    std::array<double, 2> reach{};
-    for (std::size_t k = 0; k < 2; ++k) {
-      const Quadratic& map = told.maps[k].near;
-      reach[k] = cube.half * map.gradient.lpNorm<1>() +
-                 cube.half * cube.half * map.bend.cwiseAbs().sum() + told.maps[k].off + rounding;
-    }
+    const double reach = told.maps[0].reach(cube.half) + told.maps[1].reach(cube.half) + rounding;
     const double apart = told.maps[0].near.value - told.maps[1].near.value;
-    if (std::abs(apart) > reach[0] + reach[1]) told.keep((apart > 0) == pair_.larger ? 0 : 1);
+    if (std::abs(apart) > reach) told.keep((apart > 0) == pair_.larger ? 0 : 1);
   }
 
   /// What maps make of their two values, or where they are `turned` of the negative values; of the
