@@ -7,9 +7,9 @@ import math
 import struct
 
 MAP, SPLIT = 5, 8
-WORDS = 6  # of a distance map
+WORDS = 5  # of a distance map
 LARGER, EDGE, NUMBER = 1 << 31, 1 << 15, (1 << 15) - 1
-OFFSET, SLOPES = 1 << 31, 16384
+OFFSET = 1 << 31
 
 
 def dot(a, b):
@@ -91,7 +91,7 @@ class Reader:
         words = self.maps[WORDS * number:WORDS * (number + 1)]
         plane = self.planes[words[0] & 0xFFFF]
         spacing = self.atlas["spacing"] / 2 ** (words[0] >> 16 & 0xFF)
-        packed = struct.pack("<6I", *words)
+        packed = struct.pack("<5I", *words)
         column0, row0 = struct.unpack_from("<2h", packed, 4)
         x0, u, v, n = (plane[key] for key in ("x0", "u", "v", "n"))
         way = [a - b for a, b in zip(place, x0)]
@@ -111,12 +111,11 @@ class Reader:
         def spline(across, along):
             return sum(along[k] * dot(window[k], across) for k in range(3))
 
-        base, by_eta, by_omega = struct.unpack_from("<f2h", packed, 16)
-        base_by_eta, base_by_omega = by_eta / SLOPES, by_omega / SLOPES
+        base, = struct.unpack_from("<f", packed, 16)
         below_base = spline(weights(column - i), weights(row - j))
-        d_sp = base + base_by_eta * eta + base_by_omega * omega + below_base
-        by_eta = base_by_eta + spline(slopes(column - i), weights(row - j)) / spacing
-        by_omega = base_by_omega + spline(weights(column - i), slopes(row - j)) / spacing
+        d_sp = base + below_base
+        by_eta = spline(slopes(column - i), weights(row - j)) / spacing
+        by_omega = spline(weights(column - i), slopes(row - j)) / spacing
         normal = [n[k] + by_eta * u[k] + by_omega * v[k] for k in range(3)]
         length = math.sqrt(dot(normal, normal))
         tell(f"support plane {words[0] & 0xFFFF} (Definition 1): x0", x0)
@@ -125,7 +124,8 @@ class Reader:
         tell("S_SP, m below the plane", (s_sp,))
         tell(f"distance map {number} of {len(self.maps) // WORDS}: its spacing, m, and the column and row of "
              "P_M", (spacing, column, row))
-        tell("its heights there, m below its base", (below_base,))
+        if base:
+            tell("its heights there, m below its base", (below_base,))
         tell("D_SP(P_M) (eq. 2), m below the plane", (d_sp,))
         tell("S_SP - D_SP(P_M) (eq. 3), m", (s_sp - d_sp,))
         tell("D_SP's slopes", (by_eta, by_omega))

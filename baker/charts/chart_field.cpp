@@ -76,7 +76,7 @@ ChartField::ChartField(const ChartHeights& heights, const ChartAtLevel& map)
 ChartField::Place ChartField::place_of(const Vector3& point) const {
   const PlaneCoordinates at = project_on_plane(plane_, point);
   return {at.eta * per_ - grid_.column0, at.omega * per_ - grid_.row0,
-          at.depth - grid_.base.at(at.eta, at.omega)};
+          at.depth - static_cast<double>(grid_.base)};
 }
 
 HeightRange ChartField::range_over(const Vector3& middle, double half) const {
@@ -127,8 +127,7 @@ ChartField::Spline ChartField::spline_at(double x, double y) const {
 double ChartField::at(const Vector3& place, Vector3& normal) const {
   const Place at = place_of(place);
   const Spline spline = spline_at(at.x, at.y);
-  const double eta = spline.by_x * per_ + static_cast<double>(grid_.base.by_eta);
-  const double omega = spline.by_y * per_ + static_cast<double>(grid_.base.by_omega);
+  const double eta = spline.by_x * per_, omega = spline.by_y * per_;
   normal = plane_.n + eta * plane_.u + omega * plane_.v;
   return offset_ + (spline.value - at.depth) / std::sqrt(1 + eta * eta + omega * omega);
 }
@@ -180,8 +179,7 @@ FieldBound ChartField::about(const Vector3& middle, double half) const {
                most_yy = scale * yy.most();
 
   using Pair = Eigen::Vector2d;
-  const Pair slope(spline.by_x * per + static_cast<double>(grid_.base.by_eta),
-                   spline.by_y * per + static_cast<double>(grid_.base.by_omega));
+  const Pair slope(spline.by_x * per, spline.by_y * per);
   const Pair way(along_eta, along_omega);
   Eigen::Matrix2d d2, spread, most_bent;
   d2 << d_xx, d_xy, d_xy, d_yy;

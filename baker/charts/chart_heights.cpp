@@ -14,6 +14,8 @@ namespace spm::baker {
 
 namespace {
 
+/// Where more of the surface is flat, heights are FLOAT samples.
+constexpr double most_flat_of_halves = 0.1;
 /// Hits on each side of a height, at half the spacing: one spacing, and where few are there two, or
 /// four.
 constexpr int near_hits = 2, far_hits = 4, last_hits = 8;
@@ -182,50 +184,25 @@ class Filter {
   }
 };
 
-/// The plane that is nearest to heights, m below the support plane, in the mean of squares: so far
-/// down that all heights above it are least_half and more. NaN are none.
-ChartBase base_of(const HeightGrid& grid, const std::vector<double>& heights) {
-  Eigen::Matrix3d normal = Eigen::Matrix3d::Zero();
-  Vector3 right = Vector3::Zero();
-  const auto visit = [&](const auto& of) {
-    for (std::size_t i = 0; i < heights.size(); ++i) {
-      if (std::isnan(heights[i])) continue;
-      of(grid.eta(i % grid.columns), grid.omega(i / grid.columns), heights[i]);
-    }
-  };
-  visit([&](double eta, double omega, double height) {
-    const Vector3 row(1, eta / grid.spacing, omega / grid.spacing);
-    normal += row * row.transpose();
-    right += height * row;
-  });
-  if (!(normal(0, 0) > 0)) return {};
-  for (int k = 1; k < 3; ++k) normal(k, k) += 1e-9 * normal(0, 0);
-  const Vector3 solved = normal.ldlt().solve(right);
-  const auto slope = [&grid](double by_steps) {
-    constexpr float most = max_base_slope - base_slope_unit;
-    const auto stored = static_cast<float>(by_steps / grid.spacing);
-    return std::clamp(base_slope_unit * std::round(stored / base_slope_unit), -most, most);
-  };
-  ChartBase base{0, slope(solved[1]), slope(solved[2])};
+/// The depth below which all heights that HALF samples tell are least_half and more. NaN are none.
+float base_of(const std::vector<double>& heights) {
   double least = std::numeric_limits<double>::infinity();
-  visit([&](double eta, double omega, double height) {
-    least = std::min(least, height - base.at(eta, omega));
-  });
+  for (const double height : heights) least = std::fmin(least, height);
+  if (!std::isfinite(least)) return 0;
   constexpr auto room = static_cast<double>(least_half);
-  base.depth = static_cast<float>(least - room);
-  while (least - static_cast<double>(base.depth) < room) {
-    base.depth = std::nextafter(base.depth, -std::numeric_limits<float>::infinity());
+  auto base = static_cast<float>(least - room);
+  while (least - static_cast<double>(base) < room) {
+    base = std::nextafter(base, -std::numeric_limits<float>::infinity());
   }
   return base;
 }
 
 /// Stores heights, m below the plane, in their grid.
 void store(const std::vector<double>& heights, bool halves, HeightGrid& grid) {
-  grid.base = base_of(grid, heights);
+  if (halves) grid.base = base_of(heights);
   grid.heights.reserve(heights.size());
-  for (std::size_t i = 0; i < heights.size(); ++i) {
-    const auto height = static_cast<float>(
-        heights[i] - grid.base.at(grid.eta(i % grid.columns), grid.omega(i / grid.columns)));
+  for (const double depth : heights) {
+    const auto height = static_cast<float>(depth - static_cast<double>(grid.base));
     if (!halves) {
       grid.heights.push_back(height);
     } else {
@@ -247,7 +224,17 @@ ChartHeights::ChartHeights(const Caster& caster, const OuterSurface& surface,
       sampling_(sampling),
       flat_(charts.charts().size()),
       slots_(std::make_unique<Slot[]>(2 * charts.charts().size() * sampling.levels)) {
-  for (std::size_t i = 0; i < flat_.size(); ++i) flat_[i] = flat_of(charts.charts()[i]);
+  double flat = 0, all = 0;  // m2
+  for (std::size_t i = 0; i < flat_.size(); ++i) {
+    const PlaneChart& chart = charts.charts()[i];
+    flat_[i] = flat_of(chart);
+    double area = 0;
+    for (const std::uint32_t triangle : chart.triangles) area += caster.area(triangle);
+    all += area;
+    if (flat_[i].is) flat += area;
+  }
+  // FLOAT samples tell flat faces exactly, and these have few.
+  if (flat > most_flat_of_halves * all) sampling_.halves = false;
 }
 
 ChartHeights::~ChartHeights() = default;

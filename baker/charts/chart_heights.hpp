@@ -32,7 +32,7 @@ struct HeightGrid {
   double spacing = 0;                  ///< m
   std::int32_t column0 = 0, row0 = 0;  ///< of the plane's lattice
   std::uint32_t columns = 0, rows = 0;
-  ChartBase base;
+  float base = 0;              ///< m below the support plane
   std::vector<float> heights;  ///< m below the base
 
   /// m, of a column and a row.

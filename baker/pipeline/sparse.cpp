@@ -33,8 +33,8 @@ constexpr double map_spacing_share = 1.0 / 2;
 constexpr std::uint32_t curved_level = 5, map_levels = 8;
 constexpr double flat_share = 0.02;
 /// Heights are HALF samples where the tolerance is this share of the diagonal or more, and so many
-/// metres: about fifty times what these are rounded by.
-constexpr double half_share = 2e-4, half_tolerance = 1e-6;
+/// metres; below that, what they are rounded by would take too much of it.
+constexpr double half_share = 4e-4, half_tolerance = 1e-6;
 /// How far maps go on over what other planes see better, in depths of the band and spacings.
 constexpr double reach_depths = 1, reach_spacings = 2;
 /// Where the offset surface lies that maps of deep places are of, in depths of the band.

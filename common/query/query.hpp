@@ -28,7 +28,7 @@ struct Answer {
   double distance = 0;               ///< signed, m, negative inside
   Vector3 normal = Vector3::Zero();  ///< unit, outward
   std::int32_t plane = -1;           ///< row of the plane table, -1 for triangles
-  std::int32_t layer = -1;           ///< crossing along the plane's ray, counted from 0
+  std::int32_t layer = -1;           ///< of `full`: crossing along the plane's ray, from 0
   Source source = Source::none;
   Status status = Status::far;
 };

@@ -43,26 +43,11 @@ struct alignas(64) HeightChart {
   }
 };
 
-/// Of the slopes of a base, which are between these.
-inline constexpr float base_slope_unit = 1.0F / 16384, max_base_slope = 2;
-
-/// What a chart's heights count from: a plane through the piece of the surface, so that heights are
-/// small numbers, which HALF samples tell more exactly.
-struct ChartBase {
-  float depth = 0;                 ///< m below the support plane, at its origin x0
-  float by_eta = 0, by_omega = 0;  ///< how that grows: whole numbers of base_slope_unit
-
-  /// m below the support plane.
-  [[nodiscard]] double at(double eta, double omega) const noexcept {
-    return static_cast<double>(depth) + static_cast<double>(by_eta) * eta +
-           static_cast<double>(by_omega) * omega;
-  }
-};
-
 /// A chart without heights on a plane, so many metres between them; the first one belongs to that
-/// column and row.
+/// column and row. Heights count from `base`, m below the plane: 0 for FLOAT samples; HALF ones
+/// tell small numbers more exactly.
 [[nodiscard]] inline HeightChart chart_on(const SupportPlane& plane, double spacing, double column0,
-                                          double row0, const ChartBase& base = {}) noexcept {
+                                          double row0, double base = 0) noexcept {
   const auto along = [&plane](const Vector3& axis, double scale, double at_origin) {
     return HeightChart::Linear{scale * axis[0], scale * axis[1], scale * axis[2],
                                at_origin - scale * axis.dot(plane.x0)};
@@ -71,10 +56,7 @@ struct ChartBase {
   HeightChart chart;
   chart.column = along(plane.u, per, -column0);
   chart.row = along(plane.v, per, -row0);
-  const auto by_eta = static_cast<double>(base.by_eta),
-             by_omega = static_cast<double>(base.by_omega);
-  chart.depth =
-      along(-plane.n - by_eta * plane.u - by_omega * plane.v, 1, -static_cast<double>(base.depth));
+  chart.depth = along(-plane.n, 1, -base);
   return chart;
 }
 

@@ -13,7 +13,7 @@
 namespace spm {
 
 /// The version of the file format that this program writes and reads.
-inline constexpr int asset_format_version = 12;
+inline constexpr int asset_format_version = 13;
 
 enum class AssetForm { sparse, full };
 
@@ -74,7 +74,7 @@ struct ChartData {
   std::uint32_t columns = 0, rows = 0;  ///< 3 or more, below 65536
   std::uint32_t first = 0;              ///< place of its first height in the atlas
   bool offset = false;                  ///< of the offset surface (AtlasData::offset)
-  ChartBase base;
+  float base = 0;                       ///< m below the support plane: heights count from there
 };
 
 /// The distance maps of a `sparse` asset: one picture of heights, in which each chart has its own

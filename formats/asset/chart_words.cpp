@@ -16,10 +16,6 @@ std::uint32_t halves(std::int32_t low, std::int32_t high) {
 std::int16_t low_of(std::uint32_t word) { return static_cast<std::int16_t>(word & 0xFFFFU); }
 std::int16_t high_of(std::uint32_t word) { return static_cast<std::int16_t>(word >> 16U); }
 
-std::int32_t steps(float slope) {
-  return static_cast<std::int32_t>(std::lround(slope / base_slope_unit));
-}
-
 bool fits(std::int64_t number) { return number == static_cast<std::int16_t>(number); }
 
 }  // namespace
@@ -30,8 +26,7 @@ std::vector<std::uint32_t> words_of(const std::vector<ChartData>& charts) {
   for (const ChartData& chart : charts) {
     words.insert(words.end(), {chart.plane | chart.level << 16U | (chart.offset ? offset_bit : 0U),
                                halves(chart.column0, chart.row0), chart.columns | chart.rows << 16U,
-                               chart.first, std::bit_cast<std::uint32_t>(chart.base.depth),
-                               halves(steps(chart.base.by_eta), steps(chart.base.by_omega))});
+                               chart.first, std::bit_cast<std::uint32_t>(chart.base)});
   }
   return words;
 }
@@ -39,7 +34,7 @@ std::vector<std::uint32_t> words_of(const std::vector<ChartData>& charts) {
 HeightChart chart_over(const ChartData& data, const SupportPlane& plane, const AtlasData& atlas,
                        const StoredHeights& heights) noexcept {
   HeightChart chart = chart_on(plane, std::ldexp(atlas.spacing, -static_cast<int>(data.level)),
-                               data.column0, data.row0, data.base);
+                               data.column0, data.row0, static_cast<double>(data.base));
   chart.heights = heights.from(data.first);
   chart.stride = atlas.width;
   chart.columns = static_cast<std::uint16_t>(data.columns);
@@ -55,14 +50,7 @@ std::string chart_problem(const ChartData& chart, std::size_t planes, std::uint3
     return "names a plane that does not exist";
   }
   if (chart.level >= max_chart_levels) return "has a level that does not exist";
-  const ChartBase& base = chart.base;
-  const auto is_stored = [](float slope) {
-    return std::abs(slope) < max_base_slope &&
-           base_slope_unit * static_cast<float>(steps(slope)) == slope;
-  };
-  if (!std::isfinite(base.depth) || !is_stored(base.by_eta) || !is_stored(base.by_omega)) {
-    return "has a base that is no plane, or is not stored";
-  }
+  if (!std::isfinite(chart.base)) return "has a base that is no depth";
   if (!fits(chart.column0) || !fits(chart.row0)) return "begins too far from its plane's origin";
   if (chart.columns < 3 || chart.rows < 3 || chart.columns > width || chart.columns > 0xFFFFU ||
       chart.rows > 0xFFFFU) {
@@ -88,8 +76,7 @@ std::vector<ChartData> read_charts(std::span<const std::uint32_t> words) {
     chart.columns = own[2] & 0xFFFFU;
     chart.rows = own[2] >> 16U;
     chart.first = own[3];
-    chart.base = {std::bit_cast<float>(own[4]), base_slope_unit * low_of(own[5]),
-                  base_slope_unit * high_of(own[5])};
+    chart.base = std::bit_cast<float>(own[4]);
   }
   return charts;
 }

@@ -17,10 +17,9 @@ namespace spm {
 //   1: column0, and row0 in the high half, signed;
 //   2: columns, and rows in the high half;
 //   3: the place of the first height;
-//   4: the base's depth, a float;
-//   5: its by_eta, and by_omega in the high half, signed, in units of base_slope_unit.
+//   4: the base, a float.
 
-inline constexpr std::uint32_t chart_word_count = 6;
+inline constexpr std::uint32_t chart_word_count = 5;
 inline constexpr std::uint32_t max_chart_planes = 1U << 16U, max_chart_levels = 32;
 
 [[nodiscard]] std::vector<std::uint32_t> words_of(const std::vector<ChartData>& charts);

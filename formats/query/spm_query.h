@@ -56,9 +56,9 @@ typedef struct spm_query_answer {
   double distance;  /**< signed, m, negative inside */
   double normal[3]; /**< unit, outward */
   int32_t plane;    /**< row of the plane table, -1 for triangles */
-  int32_t layer;    /**< crossing along the plane's ray, 0 the first; -1 for triangles */
-  int32_t source;   /**< enum spm_query_source */
-  int32_t status;   /**< enum spm_query_status */
+  int32_t layer;  /**< of a `full` asset the crossing along the plane's ray, 0 the first; else -1 */
+  int32_t source; /**< enum spm_query_source */
+  int32_t status; /**< enum spm_query_status */
 } spm_query_answer;
 
 /** What a force is computed with. Zero-initialised it is the spm method with no stiffness. */

@@ -55,7 +55,7 @@ class BadAsset(Case):
 
     def test_a_damaged_or_foreign_file_is_refused_as_invalid_input(self):
         good = self.asset_bytes
-        version = good.replace(b'"format_version":12', b'"format_version":13', 1)
+        version = good.replace(b'"format_version":13', b'"format_version":14', 1)
         damaged = [
             ("empty", b""),
             ("text", b"This is no asset.\n"),

@@ -138,8 +138,8 @@ TEST_CASE("Heights of a flat face are its depth below the plane, past its border
     std::size_t told = 0;
     for (std::uint32_t row = 0; row < grid.rows; ++row) {
       for (std::uint32_t column = 0; column < grid.columns; ++column) {
-        const double height = static_cast<double>(grid.at(column, row)) +
-                              grid.base.at(grid.eta(column), grid.omega(row));
+        const double height =
+            static_cast<double>(grid.at(column, row)) + static_cast<double>(grid.base);
         if (std::isnan(height)) continue;
         ++told;
         const Vector3 on = support_plane_point(plane, grid.spacing * (grid.column0 + int(column)),

@@ -149,10 +149,8 @@ TEST_CASE("Heights below a base tell what those below the support plane do") {
   surface.eta_eta = 30;
   surface.omega_omega = -20;
   const Made relief(plane, surface);
-  const ChartBase base{0.004F, 0.3F, -0.2F};
-  surface.base += static_cast<double>(base.depth);
-  surface.eta = static_cast<double>(base.by_eta);
-  surface.omega = static_cast<double>(base.by_omega);
+  constexpr double base = 0.004;
+  surface.base += base;
   const Made whole(plane, surface);
   HeightChart chart = chart_on(plane, spacing, -5, -4, base);
   chart.heights = std::span<const float>(relief.heights);

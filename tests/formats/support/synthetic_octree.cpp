@@ -176,14 +176,7 @@ AtlasData random_atlas(Random& random, std::uint32_t planes, std::uint32_t chart
     chart.row0 = -static_cast<std::int32_t>(side / 2);
     chart.columns = chart.rows = side;
     chart.offset = below(random, 2) == 0;
-    const auto slope = [&random] {
-      constexpr int units = static_cast<int>(1 / base_slope_unit);
-      return base_slope_unit *
-             static_cast<float>(static_cast<int>(below(random, 2 * units)) - units);
-    };
-    chart.base.depth = static_cast<float>(random.between(0, 0.01));
-    chart.base.by_eta = slope();
-    chart.base.by_omega = slope();
+    chart.base = static_cast<float>(random.between(0, 0.01));
     chart.first = k / across * side * atlas.width + k % across * side;
   }
   return atlas;
