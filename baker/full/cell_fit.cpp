@@ -15,14 +15,7 @@ namespace spm::baker {
 namespace {
 
 /// Sample points of a cell along an axis, corners included.
-constexpr int lattice = 4;
-/// How often a choice may be made again with the points where it failed.
-constexpr int choosing_rounds = 4;
-/// Spacing of the surface points at which a choice is tried, as a share of the diagonal.
-constexpr double probe_spacing_share = 1.0 / 350;
-/// How far surface points on a crease are moved away from it, as a share of the diagonal: less than
-/// the finest cell of a map.
-constexpr double probe_inset_share = 3e-4;
+constexpr int lattice = 5;
 /// More candidates than this in a cell cost more time than triangles would.
 constexpr std::size_t max_candidates = 8;
 /// Share of the tolerance by which a sample point may be off. The rest is for the points between.
@@ -55,10 +48,9 @@ struct CellFitter::Reply {
 };
 
 CellFitter::CellFitter(const AssetView& asset, const GridData& grid, const Caster& caster,
-                       const Band& band, double tolerance, std::uint64_t seed)
+                       const Band& band, double tolerance)
     : asset_(asset), grid_(grid), caster_(caster), band_(band), tolerance_(tolerance) {
   list_candidates();
-  list_probes(seed);
 }
 
 std::int64_t CellFitter::bin_of(const Vector3& point) const {
@@ -122,77 +114,6 @@ void CellFitter::list_candidates() {
   for (const std::uint64_t place : places) {
     candidates_.push_back(static_cast<std::uint32_t>(place & 0xFFFFFFFFU));
   }
-}
-
-/// Surface points, listed by the grid cell in which they lie, in a fixed order.
-void CellFitter::list_probes(std::uint64_t seed) {
-  const std::vector<SurfacePoint> points =
-      surface_points(caster_, probe_spacing_share * caster_.diagonal(),
-                     probe_inset_share * caster_.diagonal(), seed);
-  const std::size_t count = starts_.size() - 1;
-  std::vector<std::int64_t> bins(points.size());
-  probe_starts_.assign(count + 1, 0);
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    bins[i] = bin_of(points[i].point);
-    if (bins[i] != nowhere) ++probe_starts_[static_cast<std::size_t>(bins[i]) + 1];
-  }
-  for (std::size_t i = 0; i < count; ++i) probe_starts_[i + 1] += probe_starts_[i];
-  probes_.resize(probe_starts_.back());
-  std::vector<std::uint64_t> next(probe_starts_.begin(), probe_starts_.end() - 1);
-  for (std::size_t i = 0; i < points.size(); ++i) {
-    if (bins[i] == nowhere) continue;
-    probes_[next[static_cast<std::size_t>(bins[i])]++] = {points[i].point,
-                                                          caster_.normal(points[i].triangle), 0};
-  }
-}
-
-/// For each surface point whose normal passes through a cube within the band: the end of its path
-/// through the cube that is nearest to the point. If any point of the path has its closest point
-/// there, that end has.
-std::vector<Probe> CellFitter::probes_through(const Vector3& middle, double edge) const {
-  const double search_radius = std::max(band_.max_depth, band_.margin) + edge / 2;
-  std::array<std::int64_t, 3> low{}, high{};
-  for (int axis = 0; axis < 3; ++axis) {
-    const auto k = static_cast<std::size_t>(axis);
-    const double last = grid_.cells[k] - 1.0;
-    const double place = (middle[axis] - grid_.origin[axis]) / grid_.cell_size;
-    low[k] = static_cast<std::int64_t>(
-        std::clamp(std::floor(place - search_radius / grid_.cell_size), 0.0, last));
-    high[k] = static_cast<std::int64_t>(
-        std::clamp(std::floor(place + search_radius / grid_.cell_size), 0.0, last));
-  }
-  std::vector<Probe> found;
-  for (std::int64_t z = low[2]; z <= high[2]; ++z) {
-    for (std::int64_t y = low[1]; y <= high[1]; ++y) {
-      const auto row = static_cast<std::size_t>((z * grid_.cells[1] + y) * grid_.cells[0]);
-      const std::uint64_t end = probe_starts_[row + static_cast<std::size_t>(high[0]) + 1];
-      for (std::uint64_t i = probe_starts_[row + static_cast<std::size_t>(low[0])]; i < end; ++i) {
-        double from = -band_.max_depth, to = band_.margin;
-        for (int axis = 0; axis < 3; ++axis) {
-          const double offset = middle[axis] - probes_[i].point[axis];
-          const double slope = probes_[i].normal[axis];
-          const double a = (offset - edge / 2) / slope, b = (offset + edge / 2) / slope;
-          // A normal along the cube's side gives infinities of the right signs, or NaN on the side.
-          from = std::fmax(from, std::fmin(a, b));
-          to = std::fmin(to, std::fmax(a, b));
-        }
-        if (!(from < to)) continue;
-        const Vector3& normal = probes_[i].normal;
-        const double nearest = std::clamp(0.0, from + 0.02 * (to - from), to - 0.02 * (to - from));
-        found.push_back({probes_[i].point + nearest * normal, normal, nearest});
-      }
-    }
-  }
-  return found;
-}
-
-/// True where the chosen maps find the probe's own surface point from its trial point. Then the
-/// true closest point need not be computed, since a closer one has a probe of its own.
-bool CellFitter::finds(const std::vector<std::uint32_t>& chosen, const Probe& probe) const {
-  const Reply reply = answer(chosen, {probe.point, {}});
-  return reply.valid &&
-         std::abs(reply.distance - probe.height) <= directionless_share * tolerance_ &&
-         normal_of(reply).dot(probe.normal) >= accepted_cosine;
 }
 
 CellFitter::Sample CellFitter::sample_at(const Vector3& point) const {
@@ -263,10 +184,6 @@ bool CellFitter::holds(const std::vector<std::uint32_t>& chosen, const Sample& s
   return std::isfinite(best.rank) && agrees(best, sample);
 }
 
-bool CellFitter::holds_at(const std::vector<std::uint32_t>& chosen, const Probe& probe) const {
-  return finds(chosen, probe) || holds(chosen, sample_at(probe.point));
-}
-
 std::vector<std::uint32_t> CellFitter::candidates_of(const std::vector<Sample>& samples) const {
   std::vector<std::int64_t> bins;
   for (const Sample& sample : samples) {
@@ -333,30 +250,17 @@ std::vector<std::uint32_t> CellFitter::choose(const std::vector<std::uint32_t>& 
   return chosen;
 }
 
-bool CellFitter::fit(const Vector3& middle, double edge, std::span<const Vector3> more,
-                     std::vector<std::uint32_t>& chosen) const {
+bool CellFitter::fit(const Vector3& middle, double edge, std::vector<std::uint32_t>& chosen) const {
   std::vector<Sample> samples;
   for (int i = 0; i < lattice * lattice * lattice; ++i) {
     const Vector3 place(i % lattice, i / lattice % lattice, i / (lattice * lattice));
     samples.push_back(
         sample_at(middle + edge * (place / (lattice - 1.0) - Vector3::Constant(0.5))));
   }
-  for (const Vector3& point : more) samples.push_back(sample_at(point));
-  const std::vector<Probe> probes = probes_through(middle, edge);
-  for (int round = 0; round < choosing_rounds; ++round) {
-    chosen = choose(candidates_of(samples), samples);
-    if (chosen.empty()) return false;
-    if (!std::all_of(samples.begin(), samples.end(),
-                     [&](const Sample& sample) { return holds(chosen, sample); })) {
-      break;
-    }
-    const std::size_t before = samples.size();
-    for (const Probe& probe : probes) {
-      if (finds(chosen, probe)) continue;
-      const Sample sample = sample_at(probe.point);
-      if (!holds(chosen, sample)) samples.push_back(sample);
-    }
-    if (samples.size() == before) return true;
+  chosen = choose(candidates_of(samples), samples);
+  if (!chosen.empty() && std::all_of(samples.begin(), samples.end(),
+                                     [&](const Sample& sample) { return holds(chosen, sample); })) {
+    return true;
   }
   chosen.clear();
   return false;

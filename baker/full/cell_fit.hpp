@@ -2,11 +2,9 @@
 #pragma once
 
 #include <cstdint>
-#include <span>
 #include <vector>
 
 #include "baker/cast/cast.hpp"
-#include "baker/cast/surface_points.hpp"
 #include "common/asset/asset_view.hpp"
 #include "formats/asset/asset.hpp"
 
@@ -18,28 +16,20 @@ namespace spm::baker {
 class CellFitter {
  public:
   CellFitter(const AssetView& asset, const GridData& grid, const Caster& caster, const Band& band,
-             double tolerance, std::uint64_t seed);
+             double tolerance);
 
-  /// Candidate words (see Grid in asset_view.hpp) for the cube around `middle`. The choice is tried
-  /// at the cube's own sample points and at the points `more`. False, with nothing chosen, where no
-  /// choice of maps is good enough.
-  [[nodiscard]] bool fit(const Vector3& middle, double edge, std::span<const Vector3> more,
+  /// Candidate words (see Grid in asset_view.hpp) for the cube around `middle`, tried at a lattice
+  /// of its points. False, with nothing chosen, where no choice of maps is good enough.
+  [[nodiscard]] bool fit(const Vector3& middle, double edge,
                          std::vector<std::uint32_t>& chosen) const;
-
-  /// True where the chosen maps answer the probe's point correctly.
-  [[nodiscard]] bool holds_at(const std::vector<std::uint32_t>& chosen, const Probe& probe) const;
-
-  /// The grid cell of a point, or -1 outside the grid.
-  [[nodiscard]] std::int64_t bin_of(const Vector3& point) const;
 
  private:
   struct Sample;
   struct Reply;
 
   void list_candidates();
-  void list_probes(std::uint64_t seed);
-  [[nodiscard]] std::vector<Probe> probes_through(const Vector3& middle, double edge) const;
-  [[nodiscard]] bool finds(const std::vector<std::uint32_t>& chosen, const Probe& probe) const;
+  /// The grid cell of a point, or -1 outside the grid.
+  [[nodiscard]] std::int64_t bin_of(const Vector3& point) const;
   [[nodiscard]] Reply answer(const std::vector<std::uint32_t>& chosen, const Sample& sample) const;
   void list_layer(std::uint32_t which, std::uint32_t layer,
                   std::vector<std::uint64_t>& places) const;
@@ -58,10 +48,8 @@ class CellFitter {
   const Caster& caster_;
   Band band_;
   double tolerance_;
-  std::vector<std::uint64_t> starts_;        ///< per grid cell, first of its candidates
-  std::vector<std::uint32_t> candidates_;    ///< that have surface in the cell
-  std::vector<std::uint64_t> probe_starts_;  ///< per grid cell, first of its probes
-  std::vector<Probe> probes_;                ///< on the surface
+  std::vector<std::uint64_t> starts_;      ///< per grid cell, first of its candidates
+  std::vector<std::uint32_t> candidates_;  ///< that have surface in the cell
 };
 
 }  // namespace spm::baker

@@ -4,7 +4,6 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
-#include <atomic>
 #include <cmath>
 #include <map>
 #include <string>
@@ -14,7 +13,6 @@
 #include "baker/base/progress_counter.hpp"
 #include "baker/full/cell_fit.hpp"
 #include "baker/full/partition_cell.hpp"
-#include "baker/full/trials.hpp"
 
 namespace spm::baker {
 
@@ -23,16 +21,6 @@ namespace {
 constexpr double cells_per_diagonal = 64;
 /// A grid of more cells than this would not be worth its index.
 constexpr double max_cells = 1 << 26;
-/// Trial points over the surface's band for each record.
-constexpr std::size_t trials_per_record = 100;
-/// Each pass has its own trial points, so that a leaf that was corrected in one is tried again in
-/// the next.
-constexpr std::uint64_t repair_passes = 2;
-/// How close to the surface gaps between maps are sought, in tolerances.
-constexpr double nearby_tolerances = 4;
-constexpr int repair_rounds = 2;
-/// Failing points of a leaf that are kept for the next choice.
-constexpr std::size_t max_failures = 16;
 /// A header with all bits set belongs to a split cell.
 constexpr std::size_t max_triangles = 0xFFFE;
 
@@ -66,68 +54,6 @@ Vector3 middle_of(const GridData& grid, std::size_t cell) {
   return grid.origin + grid.cell_size * (Vector3(static_cast<double>(x), static_cast<double>(y),
                                                  static_cast<double>(z)) +
                                          Vector3::Constant(0.5));
-}
-
-/// Leaves that gave a wrong answer, with some of the points where they did.
-using Failures = std::map<PartitionCell*, std::vector<Vector3>>;
-
-/// Tries the leaves that `wanted` accepts at all trial points.
-template <class Wanted>
-Failures failures_of(const CellFitter& fitter, const Trials& trials,
-                     std::vector<PartitionCell>& cells, const Wanted& wanted) {
-  // In blocks that are joined in order, so that the result does not depend on the threads.
-  constexpr std::size_t block = 4096;
-  std::vector<std::vector<std::pair<PartitionCell*, Vector3>>> each((trials.count() + block - 1) /
-                                                                    block);
-  tbb::parallel_for(std::size_t{0}, each.size(), [&](std::size_t k) {
-    for (std::uint64_t i = k * block; i < std::min<std::uint64_t>((k + 1) * block, trials.count());
-         ++i) {
-      const Probe probe = trials.probe(i);
-      const std::int64_t cell = fitter.bin_of(probe.point);
-      if (cell < 0) continue;
-      PartitionCell& leaf = cells[static_cast<std::size_t>(cell)].leaf(probe.point);
-      if (leaf.maps.empty() || !wanted(leaf) || fitter.holds_at(leaf.maps, probe)) continue;
-      each[k].push_back({&leaf, probe.point});
-    }
-  });
-  Failures failures;
-  for (const auto& one : each) {
-    for (const auto& [leaf, point] : one) {
-      std::vector<Vector3>& points = failures[leaf];
-      if (points.size() < max_failures) points.push_back(point);
-    }
-  }
-  return failures;
-}
-
-/// Tries the choice of maps all over the band, since the sample points of the cells alone miss gaps
-/// that are thinner than their spacing. A leaf that fails gets a new choice with the points where
-/// it failed. One that fails again gets triangles.
-void repair(const CellFitter& fitter, const Caster& caster, const Trials& trials,
-            std::vector<PartitionCell>& cells) {
-  Failures failures = failures_of(fitter, trials, cells, [](const PartitionCell&) { return true; });
-  for (int round = 0; round < repair_rounds && !failures.empty(); ++round) {
-    std::vector<std::pair<PartitionCell*, std::vector<Vector3>>> list(failures.begin(),
-                                                                      failures.end());
-    const bool last = round + 1 == repair_rounds;
-    tbb::parallel_for(std::size_t{0}, list.size(), [&](std::size_t i) {
-      PartitionCell& leaf = *list[i].first;
-      std::vector<Vector3>& points = list[i].second;
-      points.insert(points.end(), leaf.hard_points.begin(), leaf.hard_points.end());
-      leaf.hard_points = points;
-      leaf.maps.clear();
-      if (last || !fitter.fit(leaf.middle, leaf.edge, points, leaf.maps)) fall_back(leaf, caster);
-    });
-    failures = failures_of(fitter, trials, cells,
-                           [](const PartitionCell& leaf) { return !leaf.hard_points.empty(); });
-  }
-}
-
-std::size_t count_records(const PartitionCell& cell) {
-  if (!cell.octants) return cell.kind == CellKind::record ? 1 : 0;
-  std::size_t count = 0;
-  for (const PartitionCell& part : *cell.octants) count += count_records(part);
-  return count;
 }
 
 /// Numbers the triangles in use as in the file, in order of first use.
@@ -215,29 +141,22 @@ class RecordWriter {
 }  // namespace
 
 PartitionCounts partition_space(Asset& asset, const Caster& caster, double tolerance,
-                                std::uint64_t seed, const Progress& progress) {
+                                const Progress& progress) {
   place_grid(asset);
   GridData& grid = asset.grid;
   const Band& band = asset.metadata.band;
   const std::size_t count =
       std::size_t{grid.cells[0]} * std::size_t{grid.cells[1]} * std::size_t{grid.cells[2]};
   const AssetTables tables = tables_of(asset);
-  const CellFitter fitter(tables.view(), grid, caster, band, tolerance, seed);
+  const CellFitter fitter(tables.view(), grid, caster, band, tolerance);
   std::vector<PartitionCell> cells(count);
-  std::atomic<std::size_t> records = 0;
   ProgressCounter counter(progress, "partition", count);
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
     cells[i].middle = middle_of(grid, i);
     cells[i].edge = grid.cell_size;
     decide(cells[i], fitter, caster, band, 0);
-    records += count_records(cells[i]);
     counter.done();
   });
-  const double nearby = nearby_tolerances * tolerance;
-  for (std::uint64_t pass = 0; pass < repair_passes; ++pass) {
-    const Trials trials(tables.view(), caster, records * trials_per_record, nearby, seed + pass);
-    repair(fitter, caster, trials, cells);
-  }
   RecordWriter writer(asset, caster);
   grid.index.resize(count);
   for (std::size_t i = 0; i < count; ++i) grid.index[i] = writer.write(cells[i]);

@@ -20,6 +20,6 @@ struct PartitionCounts {
 /// sample points with the query that the servo uses. Where no maps do, it lists the triangles that
 /// can be closest. `asset.maps` and `planes` must be final.
 [[nodiscard]] PartitionCounts partition_space(Asset& asset, const Caster& caster, double tolerance,
-                                              std::uint64_t seed, const Progress& progress);
+                                              const Progress& progress);
 
 }  // namespace spm::baker

@@ -19,18 +19,6 @@ constexpr int splits = 1;
 
 }  // namespace
 
-PartitionCell& PartitionCell::leaf(const Vector3& point) {
-  PartitionCell* cell = this;
-  while (cell->octants) cell = &(*cell->octants)[octant_of(cell->middle, point)];
-  return *cell;
-}
-
-void fall_back(PartitionCell& cell, const Caster& caster) {
-  cell.maps.clear();
-  cell.triangles =
-      closest_candidates(caster, cell.middle, cell.edge, caster.closest(cell.middle).distance);
-}
-
 void decide(PartitionCell& cell, const CellFitter& fitter, const Caster& caster, const Band& band,
             int level) {
   const double radius = cell.edge * std::sqrt(3.0) / 2;
@@ -42,7 +30,7 @@ void decide(PartitionCell& cell, const CellFitter& fitter, const Caster& caster,
     return;
   }
   cell.kind = CellKind::record;
-  if (fitter.fit(cell.middle, cell.edge, {}, cell.maps)) return;
+  if (fitter.fit(cell.middle, cell.edge, cell.maps)) return;
   cell.triangles = closest_candidates(caster, cell.middle, cell.edge, centre.distance);
   if (level == splits || cell.triangles.size() <= few_triangles) return;
   cell.triangles.clear();

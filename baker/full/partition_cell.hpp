@@ -19,19 +19,12 @@ struct PartitionCell {
   std::uint32_t normal = 0;              ///< of a deep cell, octahedral
   std::vector<std::uint32_t> maps;       ///< candidate words
   std::vector<std::uint32_t> triangles;  ///< of the caster
-  std::vector<Vector3> hard_points;      ///< where an earlier choice failed
   std::unique_ptr<std::array<PartitionCell, 8>> octants;
-
-  /// The unsplit cell that holds a point of this one.
-  [[nodiscard]] PartitionCell& leaf(const Vector3& point);
 };
 
 /// Decides a cell. Where no few maps answer the whole cell, its octants are decided instead. Where
 /// those cannot be split further, triangles answer.
 void decide(PartitionCell& cell, const CellFitter& fitter, const Caster& caster, const Band& band,
             int level);
-
-/// Makes triangles answer a cell.
-void fall_back(PartitionCell& cell, const Caster& caster);
 
 }  // namespace spm::baker

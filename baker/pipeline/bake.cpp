@@ -150,8 +150,8 @@ void bake_full(BakeResult& result, const Caster& caster, const Hull& hull,
   result.report.seconds_cast = seconds_since(casting);
   result.report.stages.end("maps");
   const Clock::time_point partitioning = Clock::now();
-  const PartitionCounts partition = partition_space(
-      asset, caster, full_aim_share * asset.metadata.diagonal, options.seed, progress);
+  const PartitionCounts partition =
+      partition_space(asset, caster, full_aim_share * asset.metadata.diagonal, progress);
   result.report.seconds_fit += seconds_since(partitioning);
   result.report.stages.end("partition");
   // Behind the partition, which tries maps against the surface.
