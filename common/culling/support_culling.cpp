@@ -2,9 +2,7 @@
 #include "common/culling/support_culling.hpp"
 
 #include <algorithm>
-#include <array>
 
-#include "common/base/rigid_pose.hpp"
 #include "common/base/spread_direction.hpp"
 #include "common/culling/hull_distance.hpp"
 #include "common/surface/support_plane_mapping.hpp"
@@ -13,11 +11,14 @@ namespace spm {
 
 namespace {
 
+/// The hull is chosen from the finest level of no more samples than this.
+constexpr std::uint32_t most_samples = 1U << 15U;
+constexpr std::size_t first_directions = 64;
+constexpr double tolerance_share = 0.01;
 constexpr int max_hull_steps = 64;
+constexpr double infinity = std::numeric_limits<double>::infinity();
 
-Vector3 to_vector(const std::array<float, 3>& v) noexcept { return {v[0], v[1], v[2]}; }
-
-/// Distance from a point to the hull of others.
+/// Distance from a point to the hull of others, or a bound that is `enough`.
 double outside(const std::vector<Vector3>& hull, const Vector3& point, double enough) noexcept {
   const auto support = [&](const Vector3& v) {
     return Vector3(hull[support_mapping(hull, v)] - point);
@@ -25,87 +26,71 @@ double outside(const std::vector<Vector3>& hull, const Vector3& point, double en
   return hull_distance(support, hull.front() - point, enough, max_hull_steps).lower_bound;
 }
 
-/// Adds every sample that lies farther than the tolerance outside the hull of those added before
-/// it.
-void take_all_in(std::vector<Vector3>& hull, const std::vector<Vector3>& samples,
-                 double tolerance) {
-  for (const Vector3& sample : samples) {
-    if (outside(hull, sample, tolerance) > tolerance) hull.push_back(sample);
-  }
-}
-
-/// Their distance along a direction of the first object's frame; above 0 they are separated.
-double gap(const SupportHull& object1, const SupportHull& object2, const Eigen::Isometry3d& pose2,
-           const Vector3& direction) noexcept {
-  const Vector3 back = pose2.linear().transpose() * -direction;
-  const Vector3 point2 = pose2 * object2.points[support_mapping(object2.points, back)];
-  const Vector3& point1 = object1.points[support_mapping(object1.points, direction)];
-  return direction.dot(point2 - point1) - object1.grown - object2.grown;
+/// How far above a plane of the object the surface is at the least, m.
+double gap(const SupportedObject& object, std::uint32_t which, const SupportHull& surface,
+           const Eigen::Isometry3d& to_object) noexcept {
+  const SupportPlane& plane = object.planes[which];
+  return surface.lowest(to_object.linear().transpose() * plane.n) +
+         plane.n.dot(to_object.translation() - object.scale * plane.x0);
 }
 
 }  // namespace
 
-SupportHull support_hull(const SurfaceSamples& samples, double tolerance, std::size_t planes) {
-  SupportHull made;
-  std::vector<Vector3> places;
-  const SampleLevel& finest = samples.levels.back();
-  for (std::uint32_t i = finest.first; i < finest.first + finest.count; ++i) {
-    places.push_back(to_vector(samples.places[i].position));
-  }
-  const std::size_t directions = std::max<std::size_t>(planes, 4);
-  std::vector<Vector3> normals;
-  normals.reserve(directions);
-  for (std::size_t k = 0; k < directions; ++k) normals.push_back(spread_direction(k, directions));
-  std::vector<std::size_t> extremes;
-  extremes.reserve(normals.size());
-  for (const Vector3& normal : normals) extremes.push_back(support_mapping(places, normal));
-  std::sort(extremes.begin(), extremes.end());
-  extremes.erase(std::unique(extremes.begin(), extremes.end()), extremes.end());
-  for (const std::size_t which : extremes) made.points.push_back(places[which]);
-  take_all_in(made.points, places, tolerance);
-  // The surface extends beyond its samples by no more than the samples' own bound.
-  made.grown = tolerance + finest.bound;
-  for (const Vector3& normal : normals) {
-    made.planes.push_back(vertex_support_plane(made.points, normal));
-    made.planes.back().x0 += made.grown * normal;
-  }
-  made.centre = samples.centre;
-  made.radius = samples.radius + finest.bound;
-  return made;
+double SupportHull::lowest(const Vector3& normal) const noexcept {
+  double least = points.empty() ? -infinity : infinity;
+  for (const Vector3& point : points) least = std::min(least, normal.dot(point));
+  return least - grown;
 }
 
-CullResult objects_apart(const SupportHull& object1, const SupportHull& object2,
-                         const Eigen::Isometry3d& pose2, SeparatingDirection& last) noexcept {
-  if (object1.points.empty() || object2.points.empty() || !keeps_lengths(pose2)) return {};
-  const Vector3 line = pose2 * object2.centre - object1.centre;
-  const double apart = line.norm() - object1.radius - object2.radius;
-  if (apart > 0) return {true, CullStage::ball, apart};
-  if (!last.direction.isZero()) {
-    const double clear = gap(object1, object2, pose2, last.direction);
-    if (clear > 0) return {true, CullStage::remembered, clear};
+SupportHull support_hull(const SurfaceSamples& surface) {
+  SupportHull hull;
+  hull.centre = surface.centre;
+  if (surface.levels.empty()) return hull;
+  const SampleLevel* level = &surface.levels.front();
+  for (const SampleLevel& finer : surface.levels) {
+    if (finer.count <= most_samples) level = &finer;
   }
-  if (!object1.planes.empty()) {
-    const SupportPlane& plane = object1.planes[support_plane_mapping(object1.planes, line)];
-    const Vector3 back = pose2.linear().transpose() * -plane.n;
-    const Vector3 point = pose2 * object2.points[support_mapping(object2.points, back)];
-    const double clear = -support_plane_depth(plane, point) - object2.grown;
-    if (clear > 0) {
-      last.direction = plane.n;
-      return {true, CullStage::plane, clear};
-    }
+  std::vector<Vector3> places;
+  places.reserve(level->count);
+  double beside = 0;  // what the samples of a coarse level stand for lies in their spheres
+  for (std::uint32_t i = level->first; i < level->first + level->count; ++i) {
+    const SamplePlace& place = surface.places[i];
+    places.emplace_back(place.position[0], place.position[1], place.position[2]);
+    if (level != &surface.levels.back()) beside = std::max(beside, double{place.radius});
   }
-  // Where they are apart, the set of all differences of their points does not contain the origin.
-  const auto support = [&](const Vector3& v) {
-    const Vector3 back = pose2.linear().transpose() * v;
-    return Vector3(pose2 * object2.points[support_mapping(object2.points, back)] -
-                   object1.points[support_mapping(object1.points, -v)]);
+  for (std::size_t k = 0; k < first_directions; ++k) {
+    hull.points.push_back(places[support_mapping(places, spread_direction(k, first_directions))]);
+  }
+  const double bound = surface.levels.back().bound, tolerance = tolerance_share * surface.radius;
+  for (const Vector3& place : places) {
+    if (outside(hull.points, place, tolerance) > tolerance) hull.points.push_back(place);
+  }
+  const auto before = [](const Vector3& a, const Vector3& b) {
+    return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end());
   };
-  const double grown = object1.grown + object2.grown;
-  const HullDistance found = hull_distance(support, last.direction.isZero() ? line : last.direction,
-                                           grown, max_cull_steps);
-  if (!(found.lower_bound > grown)) return {};
-  last.direction = found.direction;
-  return {true, CullStage::search, found.lower_bound - grown};
+  std::sort(hull.points.begin(), hull.points.end(), before);
+  hull.points.erase(std::unique(hull.points.begin(), hull.points.end()), hull.points.end());
+  hull.grown = tolerance + beside + bound;
+  hull.radius = surface.radius + bound;
+  return hull;
+}
+
+CullStage objects_apart(const SupportedObject& object, const SupportHull& surface,
+                        const Eigen::Isometry3d& to_object, double reach,
+                        std::uint32_t& last) noexcept {
+  const Vector3 centre = to_object * surface.centre;
+  const Vector3 low = object.scale * object.low, high = object.scale * object.high;
+  const Vector3 outside = centre - centre.cwiseMax(low).cwiseMin(high);
+  if (outside.norm() > reach + surface.radius) return CullStage::box;
+  if (object.planes.empty()) return CullStage::none;
+  if (last < object.planes.size() && gap(object, last, surface, to_object) > reach) {
+    return CullStage::remembered;
+  }
+  const Vector3 way = outside.isZero() ? Vector3(centre - (low + high) / 2) : outside;
+  const auto most_parallel = static_cast<std::uint32_t>(support_plane_mapping(object.planes, way));
+  if (!(gap(object, most_parallel, surface, to_object) > reach)) return CullStage::none;
+  last = most_parallel;
+  return CullStage::plane;
 }
 
 }  // namespace spm

@@ -2,8 +2,9 @@
 #pragma once
 
 #include <Eigen/Geometry>
-#include <cstddef>
 #include <cstdint>
+#include <limits>
+#include <span>
 #include <vector>
 
 #include "common/sixdof/surface_samples.hpp"
@@ -11,47 +12,45 @@
 
 namespace spm {
 
-/// An object as culling sees it: a few points whose hull, grown by `grown`, contains the object,
-/// and support planes around it. In the object's frame, m.
+/// A sampled surface as culling sees it: few points whose hull, grown by `grown`, contains it, and
+/// of which its support mapping is taken.
 struct SupportHull {
   std::vector<Vector3> points;
-  std::vector<SupportPlane> planes;  ///< of evenly spread normals (Definition 1)
+  double grown = 0;  ///< m
   Vector3 centre = Vector3::Zero();
-  double radius = 0;  ///< of a ball about the centre that contains the object
-  double grown = 0;
+  double radius = 0;  ///< m, of a ball about the centre that contains the surface
+
+  /// m: no point of the surface is lower along a unit normal of its frame. Minus infinity where
+  /// there are no points.
+  [[nodiscard]] double lowest(const Vector3& normal) const noexcept;
 };
 
-/// Chooses points of a sampled surface until all others lie within `tolerance` (m, above 0) of
-/// their hull, and `planes` support planes. Allocates: for loading.
-[[nodiscard]] SupportHull support_hull(const SurfaceSamples& samples, double tolerance,
-                                       std::size_t planes);
+/// Chooses samples until all others lie within a hundredth of the surface's radius of their hull.
+/// Allocates: for loading.
+[[nodiscard]] SupportHull support_hull(const SurfaceSamples& surface);
 
-/// The memory of a pair between ticks: the direction that separated it last.
-struct SeparatingDirection {
-  Vector3 direction = Vector3::Zero();  ///< unit, in the first object's frame; zero: none yet
+/// An object as culling sees it: its box, m, and the support planes of its baked file (Definition
+/// 1), both of the size that was baked.
+struct SupportedObject {
+  Vector3 low = Vector3::Zero(), high = Vector3::Zero();
+  std::span<const SupportPlane> planes;
+  double scale = 1;  ///< from that size
 };
 
-/// How objects_apart came to its answer.
-enum class CullStage : std::uint8_t { ball, remembered, plane, search, none };
+/// Which test found two objects apart.
+enum class CullStage : std::uint8_t { none, box, remembered, plane };
 
-struct CullResult {
-  bool apart = false;
-  CullStage stage = CullStage::none;  ///< the stage that separated them
-  double lower_bound = 0;             ///< m: lower bound of their distance
-};
+/// The plane that separated a pair last; none at first.
+inline constexpr std::uint32_t no_plane = std::numeric_limits<std::uint32_t>::max();
 
-/// Largest number of steps of the search.
-inline constexpr int max_cull_steps = 16;
-
-/// Whether two objects are apart, by their support planes (section 2.1: the step between bounding
-/// boxes and narrow phase). The tests, in this order: balls; the direction that separated the pair
-/// last; the first object's plane M_1(v) that is most parallel to the line between their centres
-/// (Definition 2), against the other's support mapping; then a search whose directions converge
-/// towards the nearest places of both hulls. Objects that are not found apart may still be apart,
-/// because hulls fill hollows. `pose2` takes object 2's frame to object 1's. Allocates nothing, and
-/// takes a bounded number of steps.
-[[nodiscard]] CullResult objects_apart(const SupportHull& object1, const SupportHull& object2,
-                                       const Eigen::Isometry3d& pose2,
-                                       SeparatingDirection& last) noexcept;
+/// Whether a surface is farther from an object than `reach` (m), before any sample's distance is
+/// asked for (section 2.1: the step between bounding boxes and narrow phase). The tests, in this
+/// order: the object's box and the surface's ball; the plane that separated the two last; the plane
+/// M_O(v) that is most parallel to the way from the box to the ball's middle (Definition 2),
+/// against the surface's support mapping. What is not found apart may still be, because hulls fill
+/// hollows. `to_object` takes the surface's frame to the object's. Allocates nothing.
+[[nodiscard]] CullStage objects_apart(const SupportedObject& object, const SupportHull& surface,
+                                      const Eigen::Isometry3d& to_object, double reach,
+                                      std::uint32_t& last) noexcept;
 
 }  // namespace spm

@@ -186,10 +186,11 @@ Result<std::unique_ptr<SampledTool>> SampledTool::make(const AssetView& asset,
   ObjectContactSettings contact;
   contact.objects = static_cast<std::uint32_t>(objects);
   made->contacts_.reserve(hands);
+  made->hull_ = support_hull(made->samples_);
   made->cullings_.reserve(hands);
   for (std::size_t hand = 0; hand < hands; ++hand) {
     made->contacts_.emplace_back(made->samples_, contact);
-    made->cullings_.emplace_back(made->samples_, objects);
+    made->cullings_.emplace_back(made->hull_, objects);
   }
   return made;
 }

@@ -47,6 +47,7 @@ class SampledTool {
   double error_ = 0;
   std::optional<AssetView> paper_;
   std::vector<ObjectContact> contacts_;
+  SupportHull hull_;
   std::vector<ToolCulling> cullings_;
 };
 

@@ -30,8 +30,6 @@ constexpr double stiffness = 1e9;  // N/m3
 constexpr std::uint64_t path_samples = 8000;
 constexpr double deep_share = 1.0 / 3;
 constexpr double between_strokes = 1e-3;  // m
-constexpr double hull_tolerance = 2e-4;   // m
-constexpr std::size_t hull_planes = 64;
 /// Time limit of a tick, ns, for at most `small_samples` samples and for more.
 constexpr std::int64_t small_limit = 250000, large_limit = 800000;
 constexpr std::uint64_t small_samples = 100000;
@@ -285,10 +283,7 @@ SixdofReport measure_sixdof(const SixdofPlan& plan, const BenchProgress& progres
   runner.add_peer(make_bullet(tool, object), plan.peer_ticks);
   report.rows = runner.run([&](double done) { told("all methods in turns", 0.6 + 0.38 * done); });
   told("culling", 0.98);
-  const SupportHull hull =
-      support_hull(samples_of_count(tool.view(), path_samples), hull_tolerance, hull_planes);
-  report.hull_points = hull.points.size();
-  report.culling = measure_culling(hull, plan.culled_objects, plan.seed);
+  report.culling = measure_culling(tool.view(), few, plan.culled_objects, plan.seed);
   return report;
 }
 

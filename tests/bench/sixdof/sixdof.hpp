@@ -61,8 +61,7 @@ struct SixdofReport {
   std::uint64_t ticks = 0, judged = 0, judged_deep = 0;
   double reference_radius = 0;  ///< m
   std::vector<SixdofRow> rows;
-  std::uint64_t hull_points = 0;  ///< of the tool's hull, which the culling scenes use
-  std::vector<CullingRow> culling;
+  CullingReport culling;
 };
 
 /// Bakes both meshes, makes the path, then lets one method after another follow it on one core.

@@ -76,9 +76,9 @@ void append_culling(const SixdofReport& report, std::string& text) {
   fmt::format_to(out,
                  "\nculling of copies of the tool, a hull of {} points; pairs left, and ns a pair "
                  "asked\n  {:<7} {:>7} {:>9} {:>8} {:>8} {:>8} {:>8}  {:>6} {:>6} {:>6}  {:>6}\n",
-                 report.hull_points, "scene", "objects", "pairs", "AABB", "OBB", "SPM", "touch",
-                 "AABB", "OBB", "SPM", "kept %");
-  for (const CullingRow& row : report.culling) {
+                 report.culling.hull_points, "scene", "objects", "pairs", "AABB", "OBB", "SPM",
+                 "touch", "AABB", "OBB", "SPM", "kept %");
+  for (const CullingRow& row : report.culling.rows) {
     fmt::format_to(
         out, "  {:<7} {:>7} {:>9} {:>8} {:>8} {:>8} {:>8}  {:>6.1f} {:>6.1f} {:>6.1f}  {:>6.1f}\n",
         row.scene, row.objects, row.pairs, row.after_aabb, row.after_obb, row.after_spm,
@@ -100,7 +100,7 @@ Json to_json(const SixdofReport& report) {
   json["rows"] = Json::array();
   for (const SixdofRow& row : report.rows) json["rows"].push_back(row_json(row));
   json["culling"] = Json::array();
-  for (const CullingRow& row : report.culling) json["culling"].push_back(culling_json(row));
+  for (const CullingRow& row : report.culling.rows) json["culling"].push_back(culling_json(row));
   return json;
 }
 

@@ -5,6 +5,7 @@
 #include <catch2/catch.hpp>
 #include <cmath>
 
+#include "common/base/spread_direction.hpp"
 #include "common/culling/hull_distance.hpp"
 #include "common/surface/support_plane_mapping.hpp"
 #include "tests/support/asset_by_hand.hpp"
@@ -19,10 +20,27 @@ using test::SparseCubeByHand;
 
 constexpr double size = 0.04;
 
-SupportHull cube_hull() {
-  const SparseCubeByHand cube(size);
-  return support_hull(*sample_surface(cube.view, 0.001), 0.0002, 64);
-}
+/// A cube of which copies are culled: its samples, and as many planes as a bake has at most.
+struct CulledCube {
+  SparseCubeByHand cube{size};
+  SurfaceSamples samples = *sample_surface(cube.view, 0.001);
+  SupportHull hull = support_hull(samples);
+  std::vector<SupportPlane> planes = planes_about_cube();
+  SupportedObject object{Vector3::Constant(-size / 2), Vector3::Constant(size / 2), planes};
+
+  static std::vector<SupportPlane> planes_about_cube() {
+    std::vector<Vector3> corners;
+    for (int k = 0; k < 8; ++k) {
+      corners.push_back(
+          size / 2 * Vector3((k & 1) != 0 ? 1 : -1, (k & 2) != 0 ? 1 : -1, (k & 4) != 0 ? 1 : -1));
+    }
+    std::vector<SupportPlane> planes;
+    for (std::size_t k = 0; k < 42; ++k) {
+      planes.push_back(vertex_support_plane(corners, spread_direction(k, 42)));
+    }
+    return planes;
+  }
+};
 
 Isometry3d pose_of(RandomTwister& random, double most) {
   const Vector3 by = random.vector(most), turn = random.vector(3);
@@ -66,67 +84,93 @@ TEST_CASE(
   }
 }
 
-TEST_CASE("A cube's hull needs few of its samples and holds them all within the tolerance") {
-  const SparseCubeByHand cube(size);
-  const SurfaceSamples samples = *sample_surface(cube.view, 0.001);
-  const SupportHull hull = cube_hull();
-  CHECK(hull.points.size() < samples.levels.back().count / 20);
-  for (const SamplePlace& place : samples.places) {
-    const Vector3 at(place.position[0], place.position[1], place.position[2]);
-    REQUIRE(in_bounded_space(hull.planes, at, 1e-9));
-    const auto support = [&](const Vector3& v) {
-      return Vector3(hull.points[support_mapping(hull.points, v)] - at);
-    };
-    REQUIRE(hull_distance(support, -at, 1, 64).lower_bound <= 0.0002 + 1e-9);
+TEST_CASE("No sample reaches below what the hull says, from any side") {
+  const CulledCube made;
+  CHECK(made.hull.points.size() < made.samples.levels.back().count / 20);
+  RandomTwister random(3);
+  for (int trial = 0; trial < 500; ++trial) {
+    const Vector3 normal = random.vector(1).normalized();
+    double least = 1;
+    for (const SamplePlace& place : made.samples.places) {
+      least = std::min(
+          least, normal.dot(Vector3(place.position[0], place.position[1], place.position[2])));
+    }
+    REQUIRE(made.hull.lowest(normal) <= least + 1e-9);
+    REQUIRE(made.hull.lowest(normal) > least - 2 * made.hull.grown);
   }
 }
 
-TEST_CASE("Cubes that are told apart are, and those that are clearly apart are told so") {
-  const SupportHull hull = cube_hull();
+TEST_CASE("Cubes that are told apart are, and half of those that are clearly apart are told so") {
+  const CulledCube made;
   RandomTwister random(5);
   int apart = 0, missed = 0, clear = 0;
   for (int trial = 0; trial < 5000; ++trial) {
     const Isometry3d pose = pose_of(random, 0.05);
-    const double truth = cube_gap(pose);
-    SeparatingDirection none;
-    const CullResult result = objects_apart(hull, hull, pose, none);
-    if (result.apart) {
+    const double truth = cube_gap(pose), reach = random.between(0, 0.005);
+    std::uint32_t none = no_plane;
+    const bool told = objects_apart(made.object, made.hull, pose, reach, none) != CullStage::none;
+    if (told) {
       ++apart;
-      REQUIRE(truth > 0);
-    } else if (truth > 2.5 * hull.grown) {
-      ++missed;
+      REQUIRE(truth > reach);
     }
-    clear += truth > 2.5 * hull.grown ? 1 : 0;
+    if (truth > reach + 0.002) {
+      ++clear;
+      missed += told ? 0 : 1;
+    }
   }
-  CHECK(apart > 1000);
-  CHECK(missed <= clear / 200);
+  CHECK(apart > 400);
+  CHECK(missed <= clear / 2);
 }
 
-TEST_CASE("The direction that separated a pair tells it apart again where it moves little") {
-  const SupportHull hull = cube_hull();
+TEST_CASE("The plane most parallel to the way between two objects separates them first") {
+  const CulledCube made;
+  std::uint32_t last = no_plane;
+  const Vector3 way = Vector3(0.2, 1, 0.1).normalized();
+  const Isometry3d pose(Eigen::Translation3d(0.005, 0.05, 0.002));
+  REQUIRE(objects_apart(made.object, made.hull, pose, 0, last) == CullStage::plane);
+  const Vector3 from_box(0, pose.translation().y() - size / 2, 0);
+  CHECK(last == support_plane_mapping(made.planes, from_box));
+  CHECK(made.planes[last].n.dot(way) > 0.8);
+}
+
+TEST_CASE("The plane that separated a pair tells it apart again where it moves little") {
+  const CulledCube made;
   RandomTwister random(7);
-  SeparatingDirection last;
-  Isometry3d pose = Eigen::Translation3d(0.045, 0.02, 0.01) *
+  std::uint32_t last = no_plane;
+  Isometry3d pose = Eigen::Translation3d(0.05, 0.02, 0.01) *
                     Isometry3d(Eigen::AngleAxisd(0.1, Vector3::UnitZ()));
-  REQUIRE(objects_apart(hull, hull, pose, last).apart);
+  REQUIRE(objects_apart(made.object, made.hull, pose, 0, last) == CullStage::plane);
   int remembered = 0;
   for (int tick = 0; tick < 200; ++tick) {
     pose.pretranslate(random.vector(5e-5));
-    remembered += objects_apart(hull, hull, pose, last).stage == CullStage::remembered ? 1 : 0;
+    const CullStage stage = objects_apart(made.object, made.hull, pose, 0, last);
+    remembered += stage == CullStage::remembered ? 1 : 0;
   }
   CHECK(remembered > 195);
 }
 
-TEST_CASE("What is far is told by balls alone, and what is no pose is told nothing") {
-  const SupportHull hull = cube_hull();
-  SeparatingDirection last;
-  const CullResult far =
-      objects_apart(hull, hull, Isometry3d(Eigen::Translation3d(0.2, 0, 0)), last);
-  CHECK(far.apart);
-  CHECK(far.stage == CullStage::ball);
-  CHECK(far.lower_bound > 0.12);
-  CHECK_FALSE(objects_apart(hull, hull, Isometry3d(Eigen::Translation3d(NAN, 0, 0)), last).apart);
-  CHECK_FALSE(objects_apart(hull, {}, Isometry3d(Eigen::Translation3d(1, 0, 0)), last).apart);
+TEST_CASE("A scaled object is culled at its own size") {
+  const CulledCube made;
+  SupportedObject twice = made.object;
+  twice.scale = 2;
+  std::uint32_t none = no_plane;
+  const Isometry3d pose(Eigen::Translation3d(0.052, 0, 0));
+  CHECK(objects_apart(made.object, made.hull, pose, 0, none) == CullStage::plane);
+  CHECK(objects_apart(twice, made.hull, pose, 0, none) == CullStage::none);
+}
+
+TEST_CASE("What is far is told by box and ball alone, and what is no pose is told nothing") {
+  const CulledCube made;
+  std::uint32_t last = no_plane;
+  const auto at = [&](double x, const SupportedObject& object) {
+    return objects_apart(object, made.hull, Isometry3d(Eigen::Translation3d(x, 0, 0)), 0, last);
+  };
+  CHECK(at(0.2, made.object) == CullStage::box);
+  CHECK(last == no_plane);
+  CHECK(at(NAN, made.object) == CullStage::none);
+  SupportedObject bare = made.object;
+  bare.planes = {};
+  CHECK(at(0.052, bare) == CullStage::none);
 }
 
 }  // namespace

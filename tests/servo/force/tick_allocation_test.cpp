@@ -4,9 +4,9 @@
 #include <span>
 #include <vector>
 
-#include "common/culling/support_culling.hpp"
 #include "common/sixdof/virtual_tool.hpp"
 #include "servo/force/scene_force.hpp"
+#include "servo/force/tool_culling.hpp"
 #include "tests/servo/force/tool_scene.hpp"
 #include "tests/servo/support/intercepted_calls.hpp"
 #include "tests/support/asset_by_hand.hpp"
@@ -19,12 +19,10 @@ using Eigen::Isometry3d;
 TEST_CASE("Ticks of contact, virtual tool and culling allocate, lock and write nothing") {
   const test::SparseCubeByHand object(0.04), small(0.012);
   const SurfaceSamples samples = *sample_surface(small.view, 0.0006);
-  const SurfaceSamples others = *sample_surface(object.view, 0.002);
-  const SupportHull hull1 = support_hull(others, 0.0005, 64);
-  const SupportHull hull2 = support_hull(samples, 0.0005, 64);
   ObjectContact contact(samples, {});
   VirtualTool tool(contact, {}, 0.012);
-  SeparatingDirection last;
+  const SupportHull hull = support_hull(samples);
+  ToolCulling culling(hull, 1);
   const std::array objects{ContactObject{&object.view, Isometry3d::Identity()}};
   std::uint64_t contacts = 0;
   const test::InterceptedCalls before = test::intercepted_calls();
@@ -33,7 +31,7 @@ TEST_CASE("Ticks of contact, virtual tool and culling allocate, lock and write n
   for (int tick = 0; tick < 100; ++tick) {
     const Isometry3d pose(Eigen::Translation3d(0, 0, 0.03 - 1e-4 * tick));
     contacts += tool.tick(pose, objects).contact.sum.contacts;
-    (void)objects_apart(hull1, hull2, pose, last);
+    (void)culling.apart(0, objects[0], pose, 0.001);
     if (tick == 50) contact.forget(0);
   }
   test::watch(false);
