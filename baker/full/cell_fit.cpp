@@ -6,6 +6,7 @@
 #include <algorithm>
 #include <array>
 #include <cmath>
+#include <cstdlib>
 #include <limits>
 
 #include "common/surface/closest_on_map.hpp"
@@ -77,8 +78,9 @@ void CellFitter::list_layer(std::uint32_t which, std::uint32_t layer,
       for (int i = 0; i < steps * steps; ++i) {
         MapCell place{column, row, 0.5, 0.5, true};
         if (steps > 1) {
-          place.fx = static_cast<double>(i % steps) / (steps - 1);
-          place.fy = static_cast<double>(i / steps) / (steps - 1);
+          const std::div_t at = std::div(i, steps);
+          place.fx = at.rem / (steps - 1.0);
+          place.fy = at.quot / (steps - 1.0);
         }
         const double eta = map.eta0 + (column + place.fx) * map.spacing;
         const double omega = map.omega0 + (row + place.fy) * map.spacing;
@@ -253,7 +255,8 @@ std::vector<std::uint32_t> CellFitter::choose(const std::vector<std::uint32_t>& 
 bool CellFitter::fit(const Vector3& middle, double edge, std::vector<std::uint32_t>& chosen) const {
   std::vector<Sample> samples;
   for (int i = 0; i < lattice * lattice * lattice; ++i) {
-    const Vector3 place(i % lattice, i / lattice % lattice, i / (lattice * lattice));
+    const int row = i / lattice, layer = row / lattice;
+    const Vector3 place(i % lattice, row % lattice, layer);
     samples.push_back(
         sample_at(middle + edge * (place / (lattice - 1.0) - Vector3::Constant(0.5))));
   }

@@ -58,6 +58,7 @@ SupportHull support_hull(const SurfaceSamples& surface) {
     places.emplace_back(place.position[0], place.position[1], place.position[2]);
     if (level != &surface.levels.back()) beside = std::max(beside, double{place.radius});
   }
+  hull.points.reserve(first_directions);
   for (std::size_t k = 0; k < first_directions; ++k) {
     hull.points.push_back(places[support_mapping(places, spread_direction(k, first_directions))]);
   }

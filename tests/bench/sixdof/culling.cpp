@@ -152,6 +152,7 @@ CullingRow measure(const Shape& shape, std::uint64_t objects, bool near, std::ui
   for (int tick = 0; tick < ticks; ++tick, scene.move()) {
     const std::vector<Isometry3d>& poses = scene.poses;
     std::vector<AxisBox> boxes;
+    boxes.reserve(poses.size());
     for (const Isometry3d& pose : poses) boxes.push_back(box_of(shape, pose));
     std::vector<std::pair<std::size_t, std::size_t>> left;
     Clock::time_point start = Clock::now();
@@ -164,6 +165,7 @@ CullingRow measure(const Shape& shape, std::uint64_t objects, bool near, std::ui
     row.pairs += poses.size() * (poses.size() - 1) / 2;
     row.after_aabb += left.size();
     std::vector<Isometry3d> between;
+    between.reserve(left.size());
     for (const auto& [i, j] : left) between.push_back(poses[i].inverse() * poses[j]);
     const Isometry3d to_box = turned.pose.inverse();
     start = Clock::now();
@@ -173,6 +175,7 @@ CullingRow measure(const Shape& shape, std::uint64_t objects, bool near, std::ui
     obb += seconds_since(start);
     // Storing and loading the planes is not part of the measured time.
     std::vector<std::uint32_t> planes;
+    planes.reserve(left.size());
     for (const auto& pair : left) planes.push_back(last.try_emplace(pair, no_plane).first->second);
     start = Clock::now();
     for (std::size_t k = 0; k < left.size(); ++k) {

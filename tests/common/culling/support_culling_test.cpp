@@ -30,11 +30,13 @@ struct CulledCube {
 
   static std::vector<SupportPlane> planes_about_cube() {
     std::vector<Vector3> corners;
+    corners.reserve(8);
     for (int k = 0; k < 8; ++k) {
       corners.push_back(
           size / 2 * Vector3((k & 1) != 0 ? 1 : -1, (k & 2) != 0 ? 1 : -1, (k & 4) != 0 ? 1 : -1));
     }
     std::vector<SupportPlane> planes;
+    planes.reserve(42);
     for (std::size_t k = 0; k < 42; ++k) {
       planes.push_back(vertex_support_plane(corners, spread_direction(k, 42)));
     }
@@ -72,6 +74,7 @@ TEST_CASE(
   for (int trial = 0; trial < 2000; ++trial) {
     const Vector3 middle = random.vector(3);
     std::vector<Vector3> corners;
+    corners.reserve(8);
     for (int k = 0; k < 8; ++k) {
       corners.push_back(
           middle + Vector3((k & 1) != 0 ? 1 : -1, (k & 2) != 0 ? 1 : -1, (k & 4) != 0 ? 1 : -1));
@@ -137,8 +140,8 @@ TEST_CASE("The plane that separated a pair tells it apart again where it moves l
   const CulledCube made;
   RandomTwister random(7);
   std::uint32_t last = no_plane;
-  Isometry3d pose = Eigen::Translation3d(0.05, 0.02, 0.01) *
-                    Isometry3d(Eigen::AngleAxisd(0.1, Vector3::UnitZ()));
+  Isometry3d pose =
+      Eigen::Translation3d(0.05, 0.02, 0.01) * Isometry3d(Eigen::AngleAxisd(0.1, Vector3::UnitZ()));
   REQUIRE(objects_apart(made.object, made.hull, pose, 0, last) == CullStage::plane);
   int remembered = 0;
   for (int tick = 0; tick < 200; ++tick) {
