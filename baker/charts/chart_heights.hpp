@@ -53,7 +53,7 @@ struct MapSampling {
   std::uint32_t curved = 0;  ///< the first level of charts that are not flat
   std::uint32_t levels = 1;  ///< of all
   double flat_within = 0;    ///< m: a chart is flat where its corners are no farther off a plane
-  bool halves = false;       ///< heights are HALF samples, not FLOAT
+  bool halves = false;       ///< heights are HALF samples, not FLOAT, unless much is flat
   double offset = 0;         ///< m, below 0: of the offset surface that is sampled too
   std::uint32_t offset_levels = 0;  ///< as `levels`, of that; 0 for none of it
 };

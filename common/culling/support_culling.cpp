@@ -60,17 +60,14 @@ SupportHull support_hull(const SurfaceSamples& surface) {
   }
   hull.points.reserve(first_directions);
   for (std::size_t k = 0; k < first_directions; ++k) {
-    hull.points.push_back(places[support_mapping(places, spread_direction(k, first_directions))]);
+    const Vector3& extreme = places[support_mapping(places, spread_direction(k, first_directions))];
+    const auto end = hull.points.end();
+    if (std::find(hull.points.begin(), end, extreme) == end) hull.points.push_back(extreme);
   }
   const double bound = surface.levels.back().bound, tolerance = tolerance_share * surface.radius;
   for (const Vector3& place : places) {
     if (outside(hull.points, place, tolerance) > tolerance) hull.points.push_back(place);
   }
-  const auto before = [](const Vector3& a, const Vector3& b) {
-    return std::lexicographical_compare(a.begin(), a.end(), b.begin(), b.end());
-  };
-  std::sort(hull.points.begin(), hull.points.end(), before);
-  hull.points.erase(std::unique(hull.points.begin(), hull.points.end()), hull.points.end());
   hull.grown = tolerance + beside + bound;
   hull.radius = surface.radius + bound;
   return hull;
