@@ -31,11 +31,6 @@ namespace {
 
 /// Share of the tolerance by which samples may be off; the rest is for places between them.
 constexpr double fit_share = 0.85;
-/// The octree may take so many times the fewest bytes that it could, where that makes it faster;
-/// and so many bytes in any case.
-constexpr double spent_bytes = 1.6, least_bytes = 8192;
-/// Cubes are divided until the octree has so many times the bytes that it may keep.
-constexpr double tried_bytes = 4;
 /// Around cubes beyond the band only so many triangles are looked at whether they are few.
 constexpr std::size_t worth_a_look = 64;
 
@@ -45,12 +40,8 @@ double sample_bytes(bool half) { return half ? sizeof(std::uint16_t) : sizeof(fl
 class Builder {
  public:
   Builder(const Caster& caster, const LatticeSurface& surface, const ChartHeights& heights,
-          const Reachability* reachability, const OctreeRules& rules, ProvenMaps& proven)
-      : caster_(caster),
-        surface_(surface),
-        reachability_(reachability),
-        rules_(rules),
-        proven_(proven) {
+          const Reachability* reachability, const OctreeRules& rules)
+      : caster_(caster), surface_(surface), reachability_(reachability), rules_(rules) {
     rules_.tolerance -= surface.displacement;
     charts_ = {&heights, rules.band, fit_share * rules_.tolerance, rules.direction};
   }
@@ -72,22 +63,8 @@ class Builder {
     CandidateTree tree =
         candidate_tree(surface_, cube, candidates_of(surface_, triangles, cube), inside);
     keep_few(node, tree);
-    if (!beyond) answer(node, tree, 0, false);
+    if (!beyond) answer(node, tree, level_of(cube));
     return node;
-  }
-
-  /// Whether a cube is a short list that can be divided.
-  [[nodiscard]] bool can_be_divided(const OctreeNode& node) const {
-    return node.kind == OctreeKind::list && node.few && level_of(node.cube) < rules_.levels;
-  }
-
-  /// Divides a short list once.
-  void divide_list(OctreeNode& node) const {
-    CandidateTree tree = candidate_tree(surface_, node.cube,
-                                        candidates_of(surface_, *node.few, node.cube), node.inside);
-    node.solids.clear();
-    node.sheets.clear();
-    divide_in_octants(node, tree, level_of(node.cube), true);
   }
 
  private:
@@ -96,9 +73,8 @@ class Builder {
   const Reachability* reachability_;
   OctreeRules rules_;
   ChartRules charts_;
-  ProvenMaps& proven_;
 
-  /// Below the roots that were not joined; negative of joined ones.
+  /// Below the largest roots.
   [[nodiscard]] int level_of(const Cube& cube) const {
     return rules_.levels -
            static_cast<int>(std::lround(std::log2(2 * cube.half / rules_.smallest_edge)));
@@ -123,8 +99,8 @@ class Builder {
     return node.rule != PruneRule::none;
   }
 
-  /// Decides what a cube below another one is, which may have been one of few triangles.
-  void decide(OctreeNode& node, CandidateTree& tree, int level, bool below_few) const {
+  /// Decides what a cube below another one is.
+  void decide(OctreeNode& node, CandidateTree& tree, int level) const {
     const Candidates& candidates = tree.candidates;
     keep_few(node, tree);
     double distance = 0;
@@ -142,44 +118,30 @@ class Builder {
       }
     }
     if (decided(node, distance, direction)) return;
-    answer(node, tree, level, below_few);
+    answer(node, tree, level);
   }
 
-  /// Finds what answers in a cube of the band, whose few triangles are kept. One of few triangles
-  /// is divided once, for the maps that its octants may have.
-  void answer(OctreeNode& node, CandidateTree& tree, int level, bool below_few) const {
-    const bool is_few = node.few.has_value();
+  /// Finds what answers in a cube of the band: maps, or what does in its octants, or a list.
+  void answer(OctreeNode& node, CandidateTree& tree, int level) const {
     // Charts are of solids.
     const bool maps = rules_.maps && !tree.candidates.solids.triangles.empty();
-    const bool last = level == rules_.levels || (is_few && (below_few || !maps));
     if (maps && tree.candidates.sheets.triangles.empty() && has_maps(node, tree)) return;
-    if (!last) {
-      divide_in_octants(node, tree, level, is_few);
-      if (!is_few || !node.octants || has_map(*node.octants)) return;
-      node.octants.reset();
-    }
+    if (level < rules_.levels) return divide_in_octants(node, tree, level);
     keep_nearest(surface_, tree, 1);
     // Another packet takes as long as a first one, and such lists are most of an octree's words.
-    if (level == rules_.levels && tree.candidates.size() > packet_size) {
-      keep_nearest(surface_, tree, 3);
-    }
+    if (tree.candidates.size() > packet_size) keep_nearest(surface_, tree, 4);
     keep_few(node, tree);
     become_list(node, tree);
   }
 
-  [[nodiscard]] static bool has_map(const std::array<OctreeNode, 8>& octants) {
-    return std::any_of(octants.begin(), octants.end(),
-                       [](const OctreeNode& octant) { return octant.kind == OctreeKind::map; });
-  }
-
-  void divide_in_octants(OctreeNode& node, CandidateTree& tree, int level, bool below_few) const {
+  void divide_in_octants(OctreeNode& node, CandidateTree& tree, int level) const {
     node.kind = OctreeKind::split;
     node.octants = std::make_unique<std::array<OctreeNode, 8>>();
     std::array<CandidateTree, 8>& within = tree.parts(surface_);
     for (std::size_t octant = 0; octant < 8; ++octant) {
       OctreeNode& part = (*node.octants)[octant];
       part.cube = node.cube.octant(octant);
-      decide(part, within[octant], level + 1, below_few);
+      decide(part, within[octant], level + 1);
       within[octant].octants.reset();
     }
     join_octants(node);
@@ -202,7 +164,7 @@ class Builder {
 
   /// Whether maps answer within the tolerance everywhere in a cube, which then is theirs.
   bool has_maps(OctreeNode& node, CandidateTree& tree) const {
-    const std::optional<FittedCharts>& maps = proven_.of(node.cube, [&] { return maps_of(tree); });
+    const std::optional<FittedCharts> maps = maps_of(tree);
     if (!maps) return false;
     node.kind = OctreeKind::map;
     node.charts = maps->charts;
@@ -281,26 +243,6 @@ std::size_t add_known_places(const LatticeSurface& surface, OctreeRoots& roots) 
   return untold;
 }
 
-void add_short_lists(const Builder& builder, OctreeNode& node, std::vector<OctreeNode*>& found) {
-  if (node.octants) {
-    for (OctreeNode& octant : *node.octants) add_short_lists(builder, octant, found);
-  } else if (builder.can_be_divided(node)) {
-    found.push_back(&node);
-  }
-}
-
-/// Divides short lists, all of them once, and again, until the octree has so many bytes or none are
-/// left.
-void divide_lists(const Builder& builder, double bytes, OctreeRoots& roots) {
-  while (bytes_as_divided(roots) <= bytes) {
-    std::vector<OctreeNode*> lists;
-    for (OctreeNode& root : roots.nodes) add_short_lists(builder, root, lists);
-    if (lists.empty()) return;
-    tbb::parallel_for(std::size_t{0}, lists.size(),
-                      [&](std::size_t i) { builder.divide_list(*lists[i]); });
-  }
-}
-
 void need_heights(const OctreeNode& node, Atlas& atlas) {
   if (node.as_list) return;
   if (node.octants) {
@@ -358,7 +300,7 @@ void keep_within(const LatticeSurface& surface, const ChartHeights& heights, dou
 
 BuiltOctree build_octree(const LatticeSurface& surface, const Caster& caster,
                          const ChartHeights& heights, const Reachability* reachability,
-                         const OctreeRules& rules, ProvenMaps& proven, const Progress& progress) {
+                         const OctreeRules& rules, const Progress& progress) {
   BuiltOctree built;
   OctreeData& data = built.data;
   data.edge = std::ldexp(rules.smallest_edge, rules.levels);
@@ -375,16 +317,13 @@ BuiltOctree build_octree(const LatticeSurface& surface, const Caster& caster,
     data.roots[static_cast<std::size_t>(axis)] = static_cast<std::uint32_t>(
         std::ceil((high[axis] + around - data.origin[axis]) / data.edge));
   }
-  const double root_radius = std::sqrt(3.0) * data.edge / 2;
-  data.reach =
-      std::max(rules.band.max_depth, rules.band.margin) + 2 * root_radius + surface.sheet_thickness;
   data.clearance_unit = caster.diagonal() / 1e6;
   data.beyond_share = beyond_share;
   const std::size_t count = std::size_t{data.roots[0]} * data.roots[1] * data.roots[2];
   OctreeRoots roots;
   roots.count = data.roots;
   roots.nodes.resize(count);
-  const Builder builder(caster, surface, heights, reachability, rules, proven);
+  const Builder builder(caster, surface, heights, reachability, rules);
   ProgressCounter counter(progress, "octree", count);
   tbb::parallel_for(std::size_t{0}, count, [&](std::size_t i) {
     const std::size_t row = i / data.roots[0], layer = row / data.roots[1];
@@ -395,18 +334,14 @@ BuiltOctree build_octree(const LatticeSurface& surface, const Caster& caster,
     counter.done();
   });
   const auto make_root = [&builder](const Cube& cube) { return builder.root(cube); };
-  int joins = join_roots(max_octree_levels - rules.levels, make_root, roots);
-  const double bytes =
-      rules.bytes.value_or(std::max(least_bytes, spent_bytes * find_least_bytes(roots)));
-  divide_lists(builder, tried_bytes * bytes, roots);
-  if (!rules.bytes && part_roots(make_root, roots)) --joins;
   if (rules.bytes) {
-    keep_within(surface, heights, bytes, roots);
+    keep_within(surface, heights, *rules.bytes, roots);
   } else {
-    static_cast<void>(find_fastest(bytes, roots));
+    data.edge = std::ldexp(data.edge, -find_best(surface, rules.levels, make_root, roots));
   }
   data.roots = roots.count;
-  data.edge = std::ldexp(data.edge, joins);
+  data.reach = std::max(rules.band.max_depth, rules.band.margin) + std::sqrt(3.0) * data.edge +
+               surface.sheet_thickness;
   make_lists(surface, roots);
   built.untold = add_known_places(surface, roots);
   Atlas atlas = atlas_of(heights, roots);

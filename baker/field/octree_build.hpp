@@ -10,7 +10,6 @@
 #include "baker/cast/cast.hpp"
 #include "baker/charts/chart_heights.hpp"
 #include "baker/field/lattice_surface.hpp"
-#include "baker/field/proven_maps.hpp"
 #include "baker/reachability/reachability.hpp"
 #include "common/asset/asset_view.hpp"
 #include "common/field/distance_octree.hpp"
@@ -47,13 +46,11 @@ struct BuiltOctree {
 };
 
 /// Builds the distance octree of a surface, which `caster` is over too, and proves each of its
-/// maps. `heights` are of the same surface. `reachability` may be null. `proven` is of earlier
-/// octrees of the same surface that differ in their cubes and bytes alone, or empty; it is added
-/// to. The same for any number of threads. Throws BakeError where nothing of the object is left to
-/// model.
+/// maps. `heights` are of the same surface. `reachability` may be null. The same for any number of
+/// threads. Throws BakeError where nothing of the object is left to model.
 [[nodiscard]] BuiltOctree build_octree(const LatticeSurface& surface, const Caster& caster,
                                        const ChartHeights& heights,
                                        const Reachability* reachability, const OctreeRules& rules,
-                                       ProvenMaps& proven, const Progress& progress);
+                                       const Progress& progress);
 
 }  // namespace spm::baker

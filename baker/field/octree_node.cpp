@@ -22,17 +22,13 @@ void gather_few(OctreeNode& node) {
 
 }  // namespace
 
-void gather_octants(OctreeNode& node) {
+void join_octants(OctreeNode& node) {
   node.few.reset();
   gather_few(node);
   node.inside = node.octants->front().inside;
   for (const OctreeNode& octant : *node.octants) {
     if (octant.inside != node.inside) node.inside.reset();
   }
-}
-
-void join_octants(OctreeNode& node) {
-  gather_octants(node);
   const OctreeKind kind = node.octants->front().kind;
   bool same = kind == OctreeKind::far || kind == OctreeKind::pruned;
   double clearance = std::numeric_limits<double>::infinity();

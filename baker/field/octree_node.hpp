@@ -44,9 +44,8 @@ struct OctreeNode {
   bool as_list = false;        ///< a split cube that is better a list (make_lists)
 };
 
-/// Gives a split cube what its octants have in common: their few triangles and their side.
-void gather_octants(OctreeNode& node);
-/// The same, and makes it one cube where all of them are far or pruned.
+/// Gives a split cube what its octants have in common, their few triangles and their side, and
+/// makes it one cube where all of them are far or pruned.
 void join_octants(OctreeNode& node);
 
 /// The side that a list tells.

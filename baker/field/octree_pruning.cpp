@@ -21,10 +21,12 @@ constexpr double map_time = 1, two_maps_time = 1.55, list_time = 1.27, packet_ti
 /// Of the octree's words; times by the volume in which they are taken.
 struct Cost {
   double bytes = 0, time = 0;
+  bool maps = false;  ///< whether there are any
 
   Cost& operator+=(const Cost& other) {
     bytes += other.bytes;
     time += other.time;
+    maps = maps || other.maps;
     return *this;
   }
 };
@@ -49,6 +51,7 @@ Cost cost_of_leaf(const OctreeNode& node, int level) {
     const double time = node.charts.size() > 1 ? two_maps_time : map_time;
     cost.bytes += node.shared_bytes;
     cost.time = node.cube.volume() * (time + level_time * level);
+    cost.maps = true;
   }
   return cost;
 }
@@ -65,86 +68,67 @@ double shared_in(const OctreeNode& node) {
   return bytes;
 }
 
-class Pruning {
- public:
-  explicit Pruning(double bytes_per_time) : bytes_per_time_(bytes_per_time) {}
+/// What a byte is worth, and whether lists may take the place of maps.
+struct Pruning {
+  double bytes_per_time = 0;
+  bool keeps_maps = false;
 
   /// The least cost of a cube and all in it.
   Cost prune(OctreeNode& node, int level) const {
     if (!node.octants) return cost_of_leaf(node, level);
     if (all_far(node)) return {};  // these will be one cube
-    Cost split{.bytes = word_bytes * words_of(OctreeKind::split), .time = 0};
+    Cost split{.bytes = word_bytes * words_of(OctreeKind::split)};
     for (OctreeNode& octant : *node.octants) split += prune(octant, level + 1);
     node.as_list = false;
-    if (!node.few) return split;
+    if (!node.few || (keeps_maps && split.maps)) return split;
     const Cost list = cost_of_list(node.few->size(), node.cube, level);
     node.as_list = weighed(list) < weighed(split);
     return node.as_list ? list : split;
   }
 
- private:
-  double bytes_per_time_;
+  /// Of all roots; `level` is theirs.
+  Cost prune(OctreeRoots& roots, int level) const {
+    Cost cost{.bytes = root_bytes * static_cast<double>(roots.nodes.size())};
+    for (OctreeNode& root : roots.nodes) cost += prune(root, level);
+    return cost;
+  }
 
+ private:
   [[nodiscard]] double weighed(const Cost& cost) const {
-    return cost.bytes + bytes_per_time_ * cost.time;
+    return cost.bytes + bytes_per_time * cost.time;
   }
 };
 
-Cost cost_of_roots(double bytes_per_time, OctreeRoots& roots) {
-  const Pruning pruning(bytes_per_time);
-  Cost cost;
-  for (OctreeNode& root : roots.nodes) cost += pruning.prune(root, 0);
-  cost.bytes += root_bytes * static_cast<double>(roots.nodes.size());
-  return cost;
-}
-
-/// Eight roots that lie together in one.
-OctreeRoots joined(OctreeRoots&& roots, const RootMaker& make_root) {
-  OctreeRoots half;
-  for (std::size_t axis = 0; axis < 3; ++axis) half.count[axis] = (roots.count[axis] + 1) / 2;
-  const double edge = 2 * roots.nodes.front().cube.half;
-  const Vector3 first = roots.nodes.front().cube.middle;
-  for (std::uint32_t z = 0; z < half.count[2]; ++z) {
-    for (std::uint32_t y = 0; y < half.count[1]; ++y) {
-      for (std::uint32_t x = 0; x < half.count[0]; ++x) {
-        OctreeNode& node = half.nodes.emplace_back();
-        node.kind = OctreeKind::split;
-        node.octants = std::make_unique<std::array<OctreeNode, 8>>();
-        for (std::uint32_t octant = 0; octant < 8; ++octant) {
-          const std::uint32_t at_x = 2 * x + (is_upper(octant, 0) ? 1U : 0U),
-                              at_y = 2 * y + (is_upper(octant, 1) ? 1U : 0U),
-                              at_z = 2 * z + (is_upper(octant, 2) ? 1U : 0U);
-          const bool there =
-              at_x < roots.count[0] && at_y < roots.count[1] && at_z < roots.count[2];
-          (*node.octants)[octant] =
-              there ? std::move(roots.nodes[at_x + roots.count[0] *
-                                                       (at_y + std::size_t{at_z} * roots.count[1])])
-                    : make_root({first + edge * Vector3(at_x, at_y, at_z), edge / 2});
-        }
-        node.cube = {node.octants->front().cube.middle + Vector3::Constant(edge / 2), edge};
-      }
-    }
+/// Prunes roots so that bytes, with those beside them, times time is least: another byte then is as
+/// great a share of all bytes as what it saves is of the time. Maps stay.
+Cost best_of_roots(double beside, int level, OctreeRoots& roots) {
+  for (Pruning pruning{.keeps_maps = true};;) {
+    Cost cost = pruning.prune(roots, level);
+    cost.bytes += beside;
+    const double worth = cost.time > 0 ? cost.bytes / cost.time : 0;
+    // It only rises, from octree to octree.
+    if (!(worth > pruning.bytes_per_time)) return cost;
+    pruning.bytes_per_time = worth;
   }
-  return half;
 }
 
-/// Eight roots of each, up to so many along the axes.
-OctreeRoots parted(OctreeRoots&& half, const std::array<std::uint32_t, 3>& count,
-                   const RootMaker& make_root) {
-  OctreeRoots roots;
-  roots.count = count;
-  for (std::uint32_t z = 0; z < count[2]; ++z) {
-    for (std::uint32_t y = 0; y < count[1]; ++y) {
-      for (std::uint32_t x = 0; x < count[0]; ++x) {
+/// Eight roots of each.
+OctreeRoots parted(OctreeRoots&& roots, const RootMaker& make_root) {
+  OctreeRoots parts;
+  for (std::size_t axis = 0; axis < 3; ++axis) parts.count[axis] = 2 * roots.count[axis];
+  const auto& [columns, rows, layers] = parts.count;
+  for (std::uint32_t z = 0; z < layers; ++z) {
+    for (std::uint32_t y = 0; y < rows; ++y) {
+      for (std::uint32_t x = 0; x < columns; ++x) {
         OctreeNode& node =
-            half.nodes[x / 2 + half.count[0] * (y / 2 + std::size_t{z / 2} * half.count[1])];
+            roots.nodes[x / 2 + roots.count[0] * (y / 2 + std::size_t{z / 2} * roots.count[1])];
         const std::uint32_t octant = (x & 1U) | (y & 1U) << 1U | (z & 1U) << 2U;
-        roots.nodes.push_back(node.octants ? std::move((*node.octants)[octant])
+        parts.nodes.push_back(node.octants ? std::move((*node.octants)[octant])
                                            : make_root(node.cube.octant(octant)));
       }
     }
   }
-  return roots;
+  return parts;
 }
 
 void mark_used(const OctreeNode& node, std::vector<bool>& used) {
@@ -178,23 +162,6 @@ void make_lists_in(const LatticeSurface& surface, OctreeNode& node) {
 
 }  // namespace
 
-namespace {
-
-double bytes_as_divided(const OctreeNode& node) {
-  if (!node.octants) return cost_of_leaf(node, 0).bytes;
-  double bytes = word_bytes * words_of(OctreeKind::split);
-  for (const OctreeNode& octant : *node.octants) bytes += bytes_as_divided(octant);
-  return bytes;
-}
-
-}  // namespace
-
-double bytes_as_divided(const OctreeRoots& roots) {
-  double bytes = root_bytes * static_cast<double>(roots.nodes.size());
-  for (const OctreeNode& root : roots.nodes) bytes += bytes_as_divided(root);
-  return bytes;
-}
-
 double shared_bytes(const OctreeRoots& roots) {
   double bytes = 0;
   for (const OctreeNode& root : roots.nodes) bytes += shared_in(root);
@@ -220,14 +187,16 @@ double triangle_bytes(const LatticeSurface& surface, const OctreeRoots& roots) {
   return static_cast<double>(bytes + stored_corner_bytes * corners.size());
 }
 
-double find_least_bytes(OctreeRoots& roots) { return cost_of_roots(0, roots).bytes; }
+double find_least_bytes(OctreeRoots& roots) { return Pruning().prune(roots, 0).bytes; }
 
 double find_fastest(double bytes, OctreeRoots& roots) {
   // What time is worth, in bytes for that of a map in a cubic metre, from next to nothing to
   // all; halved as a logarithm, since it may be of any size.
   double low = 0, high = 60;
   constexpr int steps = 24;
-  const auto cost_at = [&](double worth) { return cost_of_roots(std::exp(worth), roots).bytes; };
+  const auto cost_at = [&](double worth) {
+    return Pruning{.bytes_per_time = std::exp(worth)}.prune(roots, 0).bytes;
+  };
   if (const double all = cost_at(high); all <= bytes) return all;
   for (int step = 0; step < steps; ++step) {
     const double middle = (low + high) / 2;
@@ -236,37 +205,22 @@ double find_fastest(double bytes, OctreeRoots& roots) {
   return cost_at(low);
 }
 
-int join_roots(int most, const RootMaker& make_root, OctreeRoots& roots) {
-  // Larger roots take longer to look into.
-  constexpr double worth_joining = 0.99;
-  double bytes = find_least_bytes(roots);
-  for (int times = 0; times < most; ++times) {
-    const std::array<std::uint32_t, 3> count = roots.count;
-    OctreeRoots half = joined(std::move(roots), make_root);
-    for (OctreeNode& node : half.nodes) gather_octants(node);
-    const double joined_bytes = find_least_bytes(half);
-    if (joined_bytes > worth_joining * bytes) {
-      roots = parted(std::move(half), count, make_root);
-      return times;
+int find_best(const LatticeSurface& surface, int most, const RootMaker& make_root,
+              OctreeRoots& roots) {
+  static_cast<void>(best_of_roots(0, 0, roots));
+  const double triangles = triangle_bytes(surface, roots);
+  for (int times = 0;; ++times) {
+    double more = 7 * root_bytes * static_cast<double>(roots.nodes.size());
+    for (const OctreeNode& root : roots.nodes) {
+      more += word_bytes *
+              (root.octants ? -1.0 * words_of(OctreeKind::split) : 7.0 * words_of(root.kind));
     }
-    bytes = joined_bytes;
-    roots = std::move(half);
-    for (OctreeNode& node : roots.nodes) join_octants(node);
+    // All that is in them is then a level nearer.
+    const Cost parts = best_of_roots(triangles + more, -1, roots);
+    const Cost whole = best_of_roots(triangles, 0, roots);
+    if (times == most || parts.bytes * parts.time >= whole.bytes * whole.time) return times;
+    roots = parted(std::move(roots), make_root);
   }
-  return most;
-}
-
-bool part_roots(const RootMaker& make_root, OctreeRoots& roots) {
-  constexpr double worth_parting = 0.09;  // as many bytes more, for looking into one cube less
-  double more = 7 * root_bytes * static_cast<double>(roots.nodes.size());
-  for (const OctreeNode& root : roots.nodes) {
-    more += word_bytes *
-            (root.octants ? -1.0 * words_of(OctreeKind::split) : 7.0 * words_of(root.kind));
-  }
-  if (more > worth_parting * bytes_as_divided(roots)) return false;
-  const auto& [x, y, z] = roots.count;
-  roots = parted(std::move(roots), {2 * x, 2 * y, 2 * z}, make_root);
-  return true;
 }
 
 void make_lists(const LatticeSurface& surface, OctreeRoots& roots) {

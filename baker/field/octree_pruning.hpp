@@ -20,9 +20,6 @@ struct OctreeRoots {
 /// Makes the root of a cube.
 using RootMaker = std::function<OctreeNode(const Cube&)>;
 
-/// Bytes of the octree's words and maps as it is, without what make_lists would make of it.
-[[nodiscard]] double bytes_as_divided(const OctreeRoots& roots);
-
 /// Which triangles lists have, those that were found too, or no tile shows.
 [[nodiscard]] std::vector<bool> used_triangles(const LatticeSurface& surface,
                                                const OctreeRoots& roots);
@@ -30,7 +27,7 @@ using RootMaker = std::function<OctreeNode(const Cube&)>;
 /// Bytes of the exact triangles, with the lists that were found.
 [[nodiscard]] double triangle_bytes(const LatticeSurface& surface, const OctreeRoots& roots);
 
-/// Of these, what the heights of its maps are reckoned with, without cubes that were found lists.
+/// What the heights of its maps are reckoned with, in bytes, without cubes that were found lists.
 [[nodiscard]] double shared_bytes(const OctreeRoots& roots);
 
 /// Finds the split cubes that are better lists so that the fewest bytes are left, and returns
@@ -41,13 +38,11 @@ using RootMaker = std::function<OctreeNode(const Cube&)>;
 /// over the band, of all octrees of so many bytes, or nearly so. Returns their bytes.
 double find_fastest(double bytes, OctreeRoots& roots);
 
-/// Joins eight roots in one, again and again, at most so often, while that saves bytes; returns how
-/// often. `make_root` makes those that the grid lacks.
-[[nodiscard]] int join_roots(int most, const RootMaker& make_root, OctreeRoots& roots);
-
-/// Parts each root into eight, where the octree takes hardly more bytes by that; returns whether.
+/// Finds the split cubes that are better lists, and parts each root into eight again and again, at
+/// most so often, so that bytes times the time of answers is least; returns how often. Maps stay.
 /// `make_root` makes those of a root that is not divided.
-[[nodiscard]] bool part_roots(const RootMaker& make_root, OctreeRoots& roots);
+[[nodiscard]] int find_best(const LatticeSurface& surface, int most, const RootMaker& make_root,
+                            OctreeRoots& roots);
 
 /// Makes the cubes that were found lists.
 void make_lists(const LatticeSurface& surface, OctreeRoots& roots);

@@ -6,7 +6,7 @@
 #include <cmath>
 #include <limits>
 #include <numbers>
-#include <optional>
+#include <utility>
 #include <vector>
 
 #include "baker/base/bake_error.hpp"
@@ -48,14 +48,14 @@ constexpr double min_tolerance_share = 1e-5;
 constexpr double leaf_direction = 2.1, fine_direction = 0.06, fine_leaf_direction = 1.5;
 /// The smallest cubes of the octree, of the band's depth, but in a thin band no smaller than the
 /// lesser of so many tolerances and that share of the diagonal: smaller ones take more bytes than
-/// they save. Roots are halved to them so often that there are about this many along diagonal and
-/// margins.
+/// they save.
 constexpr double smallest_share = 0.25, smallest_tolerances = 10, smallest_of_diagonal = 1.0 / 200;
-constexpr double roots_along = 32;
-/// Where the tolerance is above this share of an edge, cubes of twice that edge may take fewer
-/// bytes.
+/// Roots are no more than this along diagonal and margins, and take no more than that share of
+/// bytes that are given.
+constexpr double most_roots_along = 16, root_share = 0.1;
+/// Where the tolerance is above this share of an edge, cubes of twice that edge take fewer bytes.
 constexpr double coarse_share = 0.25;
-/// Beyond this share of the finest of these, cubes are no smaller, whatever passes them.
+/// Beyond this share of that, cubes are no smaller, whatever passes them.
 constexpr double least_share = 0.1;
 
 /// Coarser tolerances than this share of the band's depth leave maps as they are, or find larger
@@ -117,23 +117,23 @@ OctreeRules rules_for(const BakeOptions& options, const Asset& asset, const Cast
   rules.smallest_edge = smallest_edge;
   rules.levels = 0;
   const double extent = caster.diagonal() + 2 * metadata.band.margin;
-  while (rules.levels < max_octree_levels &&
-         roots_along * std::ldexp(rules.smallest_edge, rules.levels) < extent) {
-    ++rules.levels;
-  }
+  const auto too_many_roots = [&] {
+    const double along = extent / std::ldexp(rules.smallest_edge, rules.levels);
+    return along > most_roots_along ||
+           (rules.bytes &&
+            sizeof(std::uint32_t) * along * along * along > root_share * *rules.bytes);
+  };
+  while (rules.levels < max_octree_levels && too_many_roots()) ++rules.levels;
   return rules;
 }
 
-/// The edges of the smallest cubes that are tried, m; the octree of the fewest bytes counts.
-std::vector<double> smallest_edges(const BakeOptions& options, const Band& band,
-                                   const Caster& caster, double tolerance) {
+/// m, of the smallest cubes.
+double smallest_edge(const Band& band, const Caster& caster, double tolerance) {
   const double thin =
       std::min(smallest_tolerances * tolerance, smallest_of_diagonal * caster.diagonal());
   const double fine = std::clamp(std::max(smallest_share * depth_of(band), thin), tolerance,
                                  std::max(tolerance, caster.diagonal() / 16));
-  if (tolerance <= coarse_share * fine) return {fine};
-  if (options.max_bytes) return {2 * fine};
-  return {fine, 2 * fine};
+  return tolerance <= coarse_share * fine ? fine : 2 * fine;
 }
 
 /// The share of the surface beside which trials tell the side, and no proof.
@@ -185,35 +185,29 @@ void bake_sparse(BakeResult& result, const OuterSurface& surface, const Caster& 
        .offset_levels = map_levels - 1});
   report.seconds_cast = seconds_since(casting);
   report.stages.end("charts");
-  std::optional<BuiltOctree> built;
-  ProvenMaps proven;
-  const auto build = [&](double edge, bool maps) {
+  const auto build = [&](double edge) {
     OctreeRules rules = rules_for(options, asset, caster, tolerance, edge);
-    rules.maps = maps;
-    return build_octree(lattice, rounded, heights, reachability.cuts() ? &reachability : nullptr,
-                        rules, proven, progress);
+    const auto built = [&] {
+      return build_octree(lattice, rounded, heights, reachability.cuts() ? &reachability : nullptr,
+                          rules, progress);
+    };
+    BuiltOctree octree = built();
+    if (octree.atlas.charts.size() <= max_named_maps) return octree;
+    rules.maps = false;  // words cannot name so many
+    return built();
   };
-  const auto try_edge = [&](double edge) {
-    BuiltOctree next = build(edge, true);
-    // Words cannot name so many.
-    if (next.atlas.charts.size() > max_named_maps) next = build(edge, false);
-    if (!built ||
-        std::pair(next.untold, next.counts.bytes) < std::pair(built->untold, built->counts.bytes)) {
-      built = std::move(next);
-    }
-  };
-  const std::vector<double> edges = smallest_edges(options, metadata.band, caster, tolerance);
-  for (const double edge : edges) try_edge(edge);
+  const double smallest = smallest_edge(metadata.band, caster, tolerance);
+  BuiltOctree built = build(smallest);
   // Where so many triangles pass a cube that no list can tell the side, smaller cubes can.
-  for (double edge = edges.front() / 2; built->untold > 0 && edge > least_share * edges.front();
-       edge /= 2) {
-    try_edge(edge);
+  for (double edge = smallest / 2; built.untold > 0 && edge > least_share * smallest; edge /= 2) {
+    BuiltOctree next = build(edge);
+    if (next.untold < built.untold) built = std::move(next);
   }
-  asset.octree = std::move(built->data);
-  asset.atlas = std::move(built->atlas);
-  asset.planes = std::move(built->planes);
+  asset.octree = std::move(built.data);
+  asset.atlas = std::move(built.atlas);
+  asset.planes = std::move(built.planes);
   report.stages.end("octree");
-  if (reachability.cuts()) report.pruned = pruned_by(built->counts, reachability);
+  if (reachability.cuts()) report.pruned = pruned_by(built.counts, reachability);
   asset.metadata.certified = tolerance;
   metadata.tried_area = tried_area(lattice, rounded);
   const AssetTables tables = tables_of(asset);
@@ -222,8 +216,8 @@ void bake_sparse(BakeResult& result, const OuterSurface& surface, const Caster& 
   report.stages.end("trials");
   report.seconds_fit += seconds_since(started) - report.seconds_cast;
   report.samples = asset.atlas.heights.size();
-  report.record_cells = built->counts.leaves();
-  report.fallback_cells = built->counts.lists;
+  report.record_cells = built.counts.leaves();
+  report.fallback_cells = built.counts.lists;
 }
 
 }  // namespace spm::baker

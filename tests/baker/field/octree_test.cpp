@@ -57,8 +57,7 @@ struct Built {
     rules.levels = 3;
     rules.bytes = bytes;
     rules.direction = 6 * std::numbers::pi / 180;
-    ProvenMaps proven;
-    built = build_octree(lattice, rounded, heights, nullptr, rules, proven, {});
+    built = build_octree(lattice, rounded, heights, nullptr, rules, {});
     built.data.add_to(view);
     for (const ChartData& chart : built.atlas.charts) {
       REQUIRE(
@@ -175,18 +174,12 @@ TEST_CASE("With fewer bytes more lists answer, as right, and with more bytes few
   }
 }
 
-TEST_CASE("A box of few triangles has few roots, and a list for each") {
-  const Built made(test::box({0.06, 0.05, 0.04}), 3000);
-  CHECK(made.view.octree.root_words.size() <= 8);
-  require_right(made, 5000);
-}
-
-TEST_CASE("Roots are parted where that takes hardly more bytes, but not where bytes are counted") {
+TEST_CASE("Roots are parted where bytes times time are least so, but not where bytes are given") {
   const test::Shape ring = rough(test::torus(0.02, 0.002, 200, 40), 1e-2);
-  const Built free(ring), counted(ring, 1e8);
+  const Built free(ring), given(ring, 1e8);
   const double first = std::ldexp(free.rules.smallest_edge, free.rules.levels);
   CHECK(free.built.data.edge == first / 2);
-  CHECK(counted.built.data.edge >= first);
+  CHECK(given.built.data.edge == first);
 }
 
 TEST_CASE("Where the answer is far, the surface is at least as far as the clearance says") {
@@ -424,23 +417,15 @@ TEST_CASE(
   CHECK_FALSE(proves(0.1));
 }
 
-TEST_CASE("Octrees that share their maps are those that would be built alone") {
-  const Built made(rough(test::sphere(0.01, 3), 2e-3));
-  ProvenMaps proven;
-  for (const double edge : {5e-4, 1e-3, 2.5e-4}) {
-    OctreeRules rules = made.rules;
-    rules.levels = edge == 1e-3 ? 2 : edge == 5e-4 ? 3 : 4;
-    rules.smallest_edge = edge;
-    ProvenMaps own;
-    const auto build = [&](ProvenMaps& maps) {
-      return build_octree(made.lattice, made.rounded, made.heights, nullptr, rules, maps, {});
-    };
-    const BuiltOctree shared = build(proven), alone = build(own);
-    CHECK(shared.data.words == alone.data.words);
-    CHECK(shared.data.lists == alone.data.lists);
-    CHECK(shared.data.triangles == alone.data.triangles);
-    CHECK(shared.atlas.heights == alone.atlas.heights);
-  }
+TEST_CASE("Lists take the place of maps only where bytes are given") {
+  const test::Shape shape = test::box({0.02, 0.02, 0.02});
+  const Built free(shape);
+  const double given = 0.8 * static_cast<double>(free.built.counts.bytes);
+  const Built few(shape, given);
+  CHECK(static_cast<double>(few.built.counts.bytes) <= given);
+  const AnswerShares most = shares_of_places(free.view).band,
+                     some = shares_of_places(few.view).band;
+  CHECK(most.one_map + most.two_maps > some.one_map + some.two_maps);
 }
 
 TEST_CASE("Distance maps answer with the plane that they lie on and a unit normal") {
