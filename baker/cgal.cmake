@@ -8,6 +8,8 @@ if(NOT CGAL_VERSION MATCHES "^[56]\\.")
   message(FATAL_ERROR "CGAL ${CGAL_VERSION} in ${CGAL_DIR} is neither 5 nor 6")
 endif()
 if(NOT TARGET spm_cgal)
+  # Its searches then can use all cores.
+  target_compile_definitions(CGAL INTERFACE CGAL_LINKED_WITH_TBB)
   string(REGEX MATCH "^[0-9]+" spm_cgal_version ${CGAL_VERSION})
   file(GENERATE OUTPUT ${CMAKE_BINARY_DIR}/interfaces/cgal/trees.hpp
        CONTENT "#include \"baker/verify/cgal${spm_cgal_version}_trees.hpp\"\n")

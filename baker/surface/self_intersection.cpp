@@ -8,7 +8,7 @@
 #include <array>
 #include <cmath>
 
-#include "baker/base/box_slabs.hpp"
+#include "baker/base/meeting_boxes.hpp"
 
 namespace spm::baker {
 namespace {

@@ -13,8 +13,8 @@
 #include <limits>
 #include <utility>
 
-#include "baker/base/box_slabs.hpp"
 #include "baker/base/cube_bins.hpp"
+#include "baker/base/meeting_boxes.hpp"
 
 namespace spm::baker {
 namespace {

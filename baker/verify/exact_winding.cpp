@@ -103,8 +103,9 @@ int ExactWinding::at(const Vector3& point) const {
   const Implementation& self = *implementation_;
   if (self.triangles.empty()) return 0;
   const Point from = to_cgal(point);
+  const std::vector<std::uint32_t> seen = self.seen.over(point);
   for (const Vector3& way : self.ways) {
-    const auto among = &way == self.ways.data() ? self.seen.over(point) : std::span(self.all);
+    const std::span<const std::uint32_t> among = &way == self.ways.data() ? seen : self.all;
     for (const bool nearer : {true, false}) {
       const Vector3 to = self.end_of(way, point, nearer);
       if (const auto winding = self.turns(from, to_cgal(to), among, false)) return *winding;
