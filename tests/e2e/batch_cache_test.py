@@ -106,7 +106,7 @@ class OneBuild(CacheCase):
     def test_a_full_disk_costs_the_cache_an_entry_and_the_build_a_warning(self):
         disk = tempfile.mkdtemp(prefix="spm-e2e-disk-")
         self.addCleanup(shutil.rmtree, disk, ignore_errors=True)
-        if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=16k", "tmpfs", disk],
+        if subprocess.run(["mount", "-t", "tmpfs", "-o", "size=8k", "tmpfs", disk],
                           capture_output=True, check=False).returncode != 0:
             self.skipTest("no small disk can be mounted here; run the tests as root")
         self.addCleanup(subprocess.run, ["umount", disk], check=False)
