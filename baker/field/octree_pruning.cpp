@@ -6,7 +6,6 @@
 #include <set>
 #include <utility>
 
-#include "baker/field/octree_triangles.hpp"
 #include "common/base/octant.hpp"
 
 namespace spm::baker {
@@ -32,6 +31,8 @@ struct Cost {
 };
 
 constexpr double word_bytes = 4, root_bytes = 4;
+/// Of a triangle and of a corner in the file.
+constexpr std::uint64_t stored_triangle_bytes = 10, stored_corner_bytes = 8;
 
 Cost cost_of_list(std::size_t triangles, const Cube& cube, int level) {
   const TriangleList list{.solids = static_cast<std::uint32_t>(triangles)};
