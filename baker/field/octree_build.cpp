@@ -31,6 +31,9 @@ namespace {
 
 /// Share of the tolerance by which samples may be off; the rest is for places between them.
 constexpr double fit_share = 0.85;
+/// A cube of few triangles that is so many of its edges away from them is not divided: only where
+/// the band is many times as wide as the object there are such cubes, and then too many.
+constexpr double far_edges = 5;
 /// Around cubes beyond the band only so many triangles are looked at whether they are few.
 constexpr std::size_t worth_a_look = 64;
 
@@ -126,7 +129,9 @@ class Builder {
     // Charts are of solids.
     const bool maps = rules_.maps && !tree.candidates.solids.triangles.empty();
     if (maps && tree.candidates.sheets.triangles.empty() && has_maps(node, tree)) return;
-    if (level < rules_.levels) return divide_in_octants(node, tree, level);
+    const bool is_far =
+        tree.candidates.only_kind().distance() > far_edges * 2 * node.cube.half && node.few;
+    if (level < rules_.levels && !is_far) return divide_in_octants(node, tree, level);
     keep_nearest(surface_, tree, 1);
     // Another packet takes as long as a first one, and such lists are most of an octree's words.
     if (tree.candidates.size() > packet_size) keep_nearest(surface_, tree, 4);
