@@ -8,7 +8,7 @@
 #include <vector>
 
 #include "baker/base/bake_error.hpp"
-#include "baker/mesh/mesh_limits.hpp"
+#include "baker/mesh/mesh_reader.hpp"
 
 namespace spm::baker {
 namespace {
@@ -54,25 +54,20 @@ std::string gunzip(const std::string& path, std::string_view bytes) {
     unpacked.append(reinterpret_cast<const char*>(block.data()), block.size() - stream.avail_out);
     const std::string place = path + ": byte " + std::to_string(bytes.size() - rest.size());
     if (unpacked.size() > most_bytes) {
-      throw BakeError(ExitCode::invalid_input,
-                      place + ": more than 4 GiB come out of it; bake a smaller mesh");
+      refuse_file(place, "more than 4 GiB come out of it", "bake a smaller mesh");
     }
     if (unpacked.size() > always_unpacked &&
         unpacked.size() / most_growth > bytes.size() - rest.size()) {
-      throw BakeError(ExitCode::invalid_input,
-                      place +
-                          ": what comes out is more than 100 times as large, which no mesh is; "
-                          "unpack it yourself and look at it");
+      refuse_file(place, "what comes out is more than 100 times as large, which no mesh is",
+                  "unpack it yourself and look at it");
     }
     if (code == Z_STREAM_END) {
       if (!is_gzip(rest)) return unpacked;  // what follows the last member is padding
       if (inflateReset(&stream) != Z_OK) throw BakeError(ExitCode::internal, place);
     } else if (code == Z_BUF_ERROR && rest.empty()) {
-      throw BakeError(ExitCode::invalid_input,
-                      place + ": the gzip file is cut short; copy or compress it again");
+      refuse_file(place, "the gzip file is cut short", "copy or compress it again");
     } else if (code != Z_OK) {
-      throw BakeError(ExitCode::invalid_input,
-                      place + ": the gzip data is damaged; copy or compress it again");
+      refuse_file(place, "the gzip data is damaged", "copy or compress it again");
     }
   }
 }

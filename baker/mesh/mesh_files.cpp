@@ -4,8 +4,8 @@
 #include <filesystem>
 
 #include "baker/base/bake_error.hpp"
-#include "baker/mesh/gltf_file.hpp"
 #include "baker/mesh/gunzip.hpp"
+#include "baker/mesh/mesh_reader.hpp"
 #include "baker/mesh/mesh_text.hpp"
 #include "formats/files/sha256.hpp"
 #include "formats/files/text_file.hpp"

@@ -6,7 +6,6 @@
 #include <optional>
 
 #include "baker/base/bake_error.hpp"
-#include "baker/mesh/gltf_file.hpp"
 #include "baker/mesh/loop_span.hpp"
 #include "baker/mesh/mesh_files.hpp"
 #include "baker/mesh/mesh_text.hpp"
@@ -72,27 +71,25 @@ constexpr std::array<Format, 7> kFormats{{{"GLB", ".glb", nullptr, is_glb},
   return found == kFormats.end() ? nullptr : found;
 }
 
-[[noreturn]] void fail(const std::string& message) {
-  throw BakeError(ExitCode::invalid_input, message);
-}
-
 [[nodiscard]] const Format& choose_format(const std::string& path, std::string_view bytes) {
   const std::string extension = unpacked_extension(path);
   const Format* named = format_of_extension(extension);
   const Format* seen = format_of_content(bytes);
   if (named == nullptr && seen == nullptr) {
-    fail(path + ": neither its extension nor its content is that of a mesh; give a glTF, 3MF, " +
-         "OBJ, PLY, STL or OFF file");
+    refuse_file(path, "neither its extension nor its content is that of a mesh",
+                "give a glTF, 3MF, OBJ, PLY, STL or OFF file");
   }
   if (named == nullptr) {
-    fail(path + ": the extension '" + extension +
-         "' is not that of a mesh, but the content looks " + "like " + std::string(seen->name) +
-         "; rename the file to end in " + std::string(seen->extension));
+    refuse_file(path,
+                "the extension '" + extension + "' is not that of a mesh, but the content looks " +
+                    "like " + std::string(seen->name),
+                "rename the file to end in " + std::string(seen->extension));
   }
   if (seen != nullptr && seen != named) {
-    fail(path + ": the extension says " + std::string(named->name) + ", but the content looks " +
-         "like " + std::string(seen->name) + "; rename the file to end in " +
-         std::string(seen->extension));
+    refuse_file(path,
+                "the extension says " + std::string(named->name) + ", but the content looks like " +
+                    std::string(seen->name),
+                "rename the file to end in " + std::string(seen->extension));
   }
   return *named;
 }
@@ -121,6 +118,10 @@ void unfold_polygons(PolygonSoup& soup) {
 
 }  // namespace
 
+void refuse_file(const std::string& place, const std::string& cause, const std::string& cure) {
+  throw BakeError(ExitCode::invalid_input, place + ": " + cause + "; " + cure);
+}
+
 void add_polygon(std::span<const std::uint32_t> polygon, PolygonSoup& soup) {
   if (polygon.size() > 3) soup.polygons.emplace_back(soup.triangles.size(), polygon.size() - 2);
   for (std::size_t i = 2; i < polygon.size(); ++i) {
@@ -129,7 +130,7 @@ void add_polygon(std::span<const std::uint32_t> polygon, PolygonSoup& soup) {
 }
 
 PolygonSoup read_soup(const std::string& path, std::string_view bytes, bool outside_buffers) {
-  if (bytes.empty()) fail(path + ": the file is empty; export the mesh again");
+  if (bytes.empty()) refuse_file(path, "the file is empty");
   std::string text;
   if (is_utf16(bytes) && unpacked_extension(path) == ".obj") {
     bytes = text = ascii_of_utf16(path, bytes);
@@ -138,8 +139,9 @@ PolygonSoup read_soup(const std::string& path, std::string_view bytes, bool outs
   PolygonSoup soup =
       format.read != nullptr ? format.read(path, bytes) : read_gltf(path, bytes, outside_buffers);
   if (soup.triangles.empty()) {
-    fail(path + ": the file holds " + std::to_string(soup.points.size()) +
-         " vertices and no face; export the mesh with its faces, a point cloud cannot be baked");
+    refuse_file(path,
+                "the file holds " + std::to_string(soup.points.size()) + " vertices and no face",
+                "export the mesh with its faces, a point cloud cannot be baked");
   }
   unfold_polygons(soup);
   return soup;

@@ -25,6 +25,18 @@ struct PolygonSoup {
   std::vector<std::pair<std::size_t, std::size_t>> polygons = {};
 };
 
+/// The most vertices that a file may place, and the most triangles: many parts of it may name the
+/// same few bytes.
+inline constexpr std::size_t most_points = std::size_t{1} << 25U;
+
+/// A mesh packs by a factor of 3 to 20. What unpacks to more than so many times as many bytes, and
+/// to more bytes than these, is none.
+inline constexpr std::size_t most_growth = 100, always_unpacked = std::size_t{64} << 20U;
+
+/// Throws BakeError invalid_input: "place: cause; cure".
+[[noreturn]] void refuse_file(const std::string& place, const std::string& cause,
+                              const std::string& cure = "export the mesh again");
+
 /// Fans a polygon from its first vertex. Where that is no good is seen when all points are known.
 void add_polygon(std::span<const std::uint32_t> polygon, PolygonSoup& soup);
 
@@ -37,11 +49,23 @@ void add_polygon(std::span<const std::uint32_t> polygon, PolygonSoup& soup);
 
 [[nodiscard]] PolygonSoup read_3mf(const std::string& path, std::string_view bytes);
 [[nodiscard]] PolygonSoup read_obj(const std::string& path, std::string_view bytes);
+/// Buffers may be in the file, in its text, or in regular files in its folder or below;
+/// `outside_buffers`: elsewhere too. Throws BakeError: file_or_device for a buffer that cannot be
+/// read; invalid_input, also for more than 4 GiB of buffers.
 [[nodiscard]] PolygonSoup read_gltf(const std::string& path, std::string_view bytes,
                                     bool outside_buffers);
 [[nodiscard]] PolygonSoup read_off(const std::string& path, std::string_view bytes);
 [[nodiscard]] PolygonSoup read_ply(const std::string& path, std::string_view bytes);
 [[nodiscard]] PolygonSoup read_stl(const std::string& path, std::string_view bytes);
+
+/// The files with buffers that a glTF names. Throws BakeError invalid_input.
+[[nodiscard]] std::vector<std::string> gltf_companions(const std::string& path,
+                                                       std::string_view bytes,
+                                                       bool outside_buffers);
+
+/// Whether bytes are those of a `.glb`, and whether they look like a `.gltf`.
+[[nodiscard]] bool is_glb(std::string_view bytes);
+[[nodiscard]] bool resembles_gltf(std::string_view bytes);
 
 /// True where the bytes are a package of 3MF, by the names of its parts.
 [[nodiscard]] bool resembles_3mf(std::string_view bytes);

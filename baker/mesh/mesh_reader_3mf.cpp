@@ -15,8 +15,6 @@
 #include <utility>
 #include <vector>
 
-#include "baker/base/bake_error.hpp"
-#include "baker/mesh/mesh_limits.hpp"
 #include "baker/mesh/mesh_reader.hpp"
 
 namespace spm::baker {
@@ -34,11 +32,6 @@ constexpr std::array<std::string_view, 3> known_extensions{
     production, "http://schemas.microsoft.com/3dmanufacturing/material/2015/02",
     "http://schemas.microsoft.com/3dmanufacturing/trianglesets/2021/07"};
 
-[[noreturn]] void refuse(const std::string& place, const std::string& cause,
-                         const std::string& cure = "export the mesh again") {
-  throw BakeError(ExitCode::invalid_input, place + ": " + cause + "; " + cure);
-}
-
 /// The parts of a package, which is a ZIP archive.
 class Package {
  public:
@@ -53,8 +46,8 @@ class Package {
       if (source != nullptr) zip_source_free(source);
       const std::string cause = zip_error_strerror(&problem);
       zip_error_fini(&problem);
-      refuse(path_, "its ZIP archive cannot be opened (" + cause + ")",
-             "it may be cut short, copy or export the mesh again");
+      refuse_file(path_, "its ZIP archive cannot be opened (" + cause + ")",
+                  "it may be cut short, copy or export the mesh again");
     }
     archive_.reset(opened);
   }
@@ -63,20 +56,21 @@ class Package {
   [[nodiscard]] std::string read(const std::string& name) {
     const std::unique_ptr<zip_file_t, int (*)(zip_file_t*)> file(
         zip_fopen(archive_.get(), name.c_str(), ZIP_FL_NOCASE), &zip_fclose);
-    if (!file) refuse(path_, "its part " + name + " cannot be read (" + cause() + ")");
+    if (!file) refuse_file(path_, "its part " + name + " cannot be read (" + cause() + ")");
     std::string bytes;
     std::array<char, 1U << 16U> block;
     zip_int64_t count = 0;
     while ((count = zip_fread(file.get(), block.data(), block.size())) > 0) {
       if (static_cast<std::size_t>(count) > left_) {
-        refuse(path_, "its parts are more than 100 times as large as the file, which no mesh is",
-               "unpack it yourself and look at it");
+        refuse_file(path_,
+                    "its parts are more than 100 times as large as the file, which no mesh is",
+                    "unpack it yourself and look at it");
       }
       left_ -= static_cast<std::size_t>(count);
       bytes.append(block.data(), static_cast<std::size_t>(count));
     }
     if (count < 0) {
-      refuse(path_, "its part " + name + " is damaged", "copy or export the mesh again");
+      refuse_file(path_, "its part " + name + " is damaged", "copy or export the mesh again");
     }
     return bytes;
   }
@@ -91,21 +85,17 @@ class Package {
   std::unique_ptr<zip_t, void (*)(zip_t*)> archive_{nullptr, &zip_discard};
 };
 
-/// The attributes of an element, by name; those with a namespace as "namespace|name".
-class Attributes {
- public:
-  explicit Attributes(const char** names) : names_(names) {}
+/// The attributes of an element, name and value by turns; those with a namespace as
+/// "namespace|name".
+using Attributes = const char**;
 
-  [[nodiscard]] const char* find(std::string_view name) const {
-    for (const char** at = names_; *at != nullptr; at += 2) {
-      if (name == at[0]) return at[1];
-    }
-    return nullptr;
+/// The value of one; null where it is not there.
+[[nodiscard]] const char* find(Attributes attributes, std::string_view name) {
+  for (; *attributes != nullptr; attributes += 2) {
+    if (name == attributes[0]) return attributes[1];
   }
-
- private:
-  const char** names_;
-};
+  return nullptr;
+}
 
 /// Walks through the elements of a part of XML. Errors name the part and the line.
 class XmlPart {
@@ -116,7 +106,7 @@ class XmlPart {
         parser_(XML_ParserCreateNS(nullptr, separator), &XML_ParserFree) {
     XML_SetUserData(parser_.get(), this);
     XML_SetStartElementHandler(parser_.get(), [](void* self, const char* name, const char** all) {
-      static_cast<XmlPart*>(self)->guarded([&](XmlPart& xml) { xml.begin(name, Attributes(all)); });
+      static_cast<XmlPart*>(self)->guarded([&](XmlPart& xml) { xml.begin(name, all); });
     });
     XML_SetStartNamespaceDeclHandler(parser_.get(), [](void* self, const char* prefix,
                                                        const char* space) {
@@ -148,16 +138,17 @@ class XmlPart {
   }
 
  protected:
-  virtual void begin(std::string_view name, const Attributes& attributes) = 0;
+  virtual void begin(std::string_view name, Attributes attributes) = 0;
 
   [[noreturn]] void fail(const std::string& cause,
                          const std::string& cure = "export the mesh again") const {
-    refuse(place_, "line " + std::to_string(XML_GetCurrentLineNumber(parser_.get())) + ": " + cause,
-           cure);
+    refuse_file(place_,
+                "line " + std::to_string(XML_GetCurrentLineNumber(parser_.get())) + ": " + cause,
+                cure);
   }
 
-  [[nodiscard]] const char* text(const Attributes& attributes, const char* name) const {
-    const char* const found = attributes.find(name);
+  [[nodiscard]] const char* text(Attributes attributes, const char* name) const {
+    const char* const found = find(attributes, name);
     if (found == nullptr) fail(std::string("'") + name + "' is missing");
     return found;
   }
@@ -174,7 +165,7 @@ class XmlPart {
   }
 
   template <class T>
-  [[nodiscard]] T number(const Attributes& attributes, const char* name) const {
+  [[nodiscard]] T number(Attributes attributes, const char* name) const {
     return number<T>(std::string_view(text(attributes, name)), name);
   }
 
@@ -207,7 +198,7 @@ class Relations : public XmlPart {
   std::string model;
 
  protected:
-  void begin(std::string_view name, const Attributes& attributes) override {
+  void begin(std::string_view name, Attributes attributes) override {
     if (!name.ends_with("|Relationship")) return;
     if (!std::string_view(text(attributes, "Type")).ends_with("/3dmodel")) return;
     model = text(attributes, "Target");
@@ -242,7 +233,7 @@ class Model : public XmlPart {
   double unit = 1e-3;  ///< m
 
  protected:
-  void begin(std::string_view name, const Attributes& attributes) override {
+  void begin(std::string_view name, Attributes attributes) override {
     if (!name.starts_with(core) || name.size() <= core.size() || name[core.size()] != separator) {
       return;
     }
@@ -273,7 +264,7 @@ class Model : public XmlPart {
     return *object_;
   }
 
-  [[nodiscard]] std::uint32_t corner(const Attributes& attributes, const char* name) const {
+  [[nodiscard]] std::uint32_t corner(Attributes attributes, const char* name) const {
     const auto index = number<std::uint32_t>(attributes, name);
     if (index >= object().points.size()) {
       fail("vertex index " + std::to_string(index) + " is out of range (" +
@@ -282,13 +273,13 @@ class Model : public XmlPart {
     return index;
   }
 
-  [[nodiscard]] Placed placed(const Attributes& attributes) const {
+  [[nodiscard]] Placed placed(Attributes attributes) const {
     static const std::string path_key = std::string(production) + separator + "path";
-    const char* const part = attributes.find(path_key);
+    const char* const part = find(attributes, path_key);
     Placed found{
         {part == nullptr ? part_ : part_name(part), number<std::uint32_t>(attributes, "objectid")},
         Transform::Identity()};
-    const char* const transform = attributes.find("transform");
+    const char* const transform = find(attributes, "transform");
     if (transform == nullptr) return found;
     // Four rows of three, which points are multiplied with from the left.
     std::string_view rest = transform;
@@ -301,7 +292,7 @@ class Model : public XmlPart {
     return found;
   }
 
-  void read_head(const Attributes& attributes) {
+  void read_head(Attributes attributes) {
     struct Unit {
       std::string_view name;
       double metres;
@@ -312,13 +303,13 @@ class Model : public XmlPart {
                                                 {"inch", 0.0254},
                                                 {"foot", 0.3048},
                                                 {"meter", 1}}};
-    const char* const named = attributes.find("unit");
+    const char* const named = find(attributes, "unit");
     const auto* const found = std::find_if(units.begin(), units.end(), [&](const Unit& known) {
       return known.name == (named == nullptr ? "millimeter" : named);
     });
     if (found == units.end()) fail("a unit that 3MF does not know", "give --unit");
     unit = found->metres;
-    const char* const needed = attributes.find("requiredextensions");
+    const char* const needed = find(attributes, "requiredextensions");
     std::string_view rest = needed == nullptr ? "" : needed;
     while (rest.find_first_not_of(' ') != std::string_view::npos) {
       rest.remove_prefix(rest.find_first_not_of(' '));
@@ -344,7 +335,7 @@ class Reader {
   [[nodiscard]] PolygonSoup read() {
     Relations relations(path_);
     relations.parse(package_.read("_rels/.rels"));
-    if (relations.model.empty()) refuse(path_, "its package names no 3D model");
+    if (relations.model.empty()) refuse_file(path_, "its package names no 3D model");
     const Parsed root = parsed(part_name(relations.model));
     soup_.unit = root.unit;
     place(root.items);
@@ -371,12 +362,12 @@ class Reader {
     while (!steps.empty()) {
       const Placed step = std::move(steps.back());
       steps.pop_back();
-      const Object& object = find(step.object);
+      const Object& object = object_of(step.object);
       add(object, step.transform);
       placed += object.components.size();
       if (placed > most_placed) {
-        refuse(path_, "its build has more than a million parts, or a part is one of its own",
-               "export fewer parts");
+        refuse_file(path_, "its build has more than a million parts, or a part is one of its own",
+                    "export fewer parts");
       }
       for (auto at = object.components.rbegin(); at != object.components.rend(); ++at) {
         steps.push_back({at->object, step.transform * at->transform});
@@ -384,11 +375,11 @@ class Reader {
     }
   }
 
-  const Object& find(const ObjectName& name) {
+  const Object& object_of(const ObjectName& name) {
     if (!parts_.contains(name.first)) (void)parsed(name.first);
     const auto found = objects_.find(name);
     if (found == objects_.end()) {
-      refuse(path_, "there is no object " + std::to_string(name.second) + " in " + name.first);
+      refuse_file(path_, "there is no object " + std::to_string(name.second) + " in " + name.first);
     }
     return found->second;
   }
@@ -397,15 +388,15 @@ class Reader {
     const std::size_t base = soup_.points.size();
     if (base + object.points.size() > most_points ||
         soup_.triangles.size() + object.triangles.size() > most_points) {
-      refuse(path_,
-             "it has more than " + std::to_string(most_points) +
-                 " vertices or triangles, which cannot be baked",
-             "export fewer parts, or a coarser mesh");
+      refuse_file(path_,
+                  "it has more than " + std::to_string(most_points) +
+                      " vertices or triangles, which cannot be baked",
+                  "export fewer parts, or a coarser mesh");
     }
     for (const Vector3& point : object.points) {
       soup_.points.push_back(transform * point);
       if (!soup_.points.back().allFinite()) {
-        refuse(path_, "a part is moved or scaled beyond all numbers");
+        refuse_file(path_, "a part is moved or scaled beyond all numbers");
       }
     }
     const bool mirrored = transform.linear().determinant() < 0;

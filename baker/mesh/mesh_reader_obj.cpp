@@ -19,19 +19,6 @@ struct Faces {
   std::size_t single = 0;          ///< faces of one vertex, which are left out
 };
 
-[[nodiscard]] Vector3 read_vertex(MeshText& text) {
-  Vector3 point;
-  for (int axis = 0; axis < 3; ++axis) {
-    const std::string_view word = text.next_word();
-    if (word.empty()) {
-      text.fail("vertex has " + std::to_string(axis) + " coordinates instead of 3",
-                "the file may be cut short, export the mesh again");
-    }
-    point[axis] = text.number(word, "coordinate");
-  }
-  return point;
-}
-
 void read_face(MeshText& text, std::size_t vertices, Faces& faces) {
   const std::size_t begin = faces.corners.size();
   for (std::string_view word = text.next_word(); !word.empty(); word = text.next_word()) {
@@ -85,7 +72,7 @@ PolygonSoup read_obj(const std::string& path, std::string_view bytes) {
   while (text.next_line()) {
     const std::string_view keyword = text.next_word();
     if (keyword == "v") {
-      soup.points.push_back(read_vertex(text));
+      soup.points.push_back(text.point("the file may be cut short, export the mesh again"));
     } else if (keyword == "f") {
       read_face(text, soup.points.size(), faces);
     }

@@ -76,16 +76,7 @@ PolygonSoup read_off(const std::string& path, std::string_view bytes) {
   const std::size_t faces = read_count(text, bytes.size() / 2, "number of faces");
   for (std::size_t i = 0; i < vertices; ++i) {
     if (!text.next_line()) text.fail_cut_short("vertex " + std::to_string(i));
-    Vector3 point;
-    for (int axis = 0; axis < 3; ++axis) {
-      word = text.next_word();
-      if (word.empty()) {
-        text.fail("vertex has " + std::to_string(axis) + " coordinates instead of 3",
-                  "export the mesh again");
-      }
-      point[axis] = text.number(word, "coordinate");
-    }
-    soup.points.push_back(point);
+    soup.points.push_back(text.point("export the mesh again"));
   }
   std::vector<std::uint32_t> polygon;
   for (std::size_t i = 0; i < faces; ++i) {

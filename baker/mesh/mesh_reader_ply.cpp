@@ -22,10 +22,18 @@ constexpr std::string_view strips_name = "tristrips";
 
 enum class Encoding { text, little_endian, big_endian };
 
+/// A number of some bytes, of this machine's order.
+template <class T>
+[[nodiscard]] double decode_as(const char* raw) {
+  T value;
+  std::memcpy(&value, raw, sizeof value);
+  return static_cast<double>(value);
+}
+
 struct Type {
   std::size_t bytes = 0;
+  double (*decode)(const char* raw) = nullptr;
   bool real = false;
-  bool is_signed = false;
 };
 
 struct Property {
@@ -50,14 +58,15 @@ struct Header {
     std::string_view name, alias;
     Type type;
   };
-  static constexpr std::array<Named, 8> kTypes{{{"char", "int8", {1, false, true}},
-                                                {"uchar", "uint8", {1, false, false}},
-                                                {"short", "int16", {2, false, true}},
-                                                {"ushort", "uint16", {2, false, false}},
-                                                {"int", "int32", {4, false, true}},
-                                                {"uint", "uint32", {4, false, false}},
-                                                {"float", "float32", {4, true, true}},
-                                                {"double", "float64", {8, true, true}}}};
+  static constexpr std::array<Named, 8> kTypes{
+      {{"char", "int8", {1, decode_as<std::int8_t>}},
+       {"uchar", "uint8", {1, decode_as<std::uint8_t>}},
+       {"short", "int16", {2, decode_as<std::int16_t>}},
+       {"ushort", "uint16", {2, decode_as<std::uint16_t>}},
+       {"int", "int32", {4, decode_as<std::int32_t>}},
+       {"uint", "uint32", {4, decode_as<std::uint32_t>}},
+       {"float", "float32", {4, decode_as<float>, true}},
+       {"double", "float64", {8, decode_as<double>, true}}}};
   for (const Named& known : kTypes) {
     if (word == known.name || word == known.alias) return known.type;
   }
@@ -145,10 +154,10 @@ class Values {
       return text_.number(word, "value");
     }
     if (bytes_.size() - position_ < type.bytes) {
-      throw BakeError(ExitCode::invalid_input,
-                      path_ + ": the file ends within " + element.name + " " +
-                          std::to_string(item) + " of " + std::to_string(element.items) +
-                          "; it was cut short, copy or export the mesh again");
+      refuse_file(path_,
+                  "the file ends within " + element.name + " " + std::to_string(item) + " of " +
+                      std::to_string(element.items),
+                  "it was cut short, copy or export the mesh again");
     }
     std::array<char, 8> raw{};
     std::memcpy(raw.data(), bytes_.data() + position_, type.bytes);
@@ -157,7 +166,7 @@ class Values {
     if (big != (std::endian::native == std::endian::big)) {
       std::reverse(raw.begin(), raw.begin() + static_cast<std::ptrdiff_t>(type.bytes));
     }
-    return decode(raw, type);
+    return type.decode(raw.data());
   }
 
   /// Where text is read next; nothing in a binary file, which cannot be entered in its middle.
@@ -187,33 +196,14 @@ class Values {
     // The last value of a text file may lack its line end.
     const std::size_t rest = bytes_.size() - position_ + 1;
     if (least > 0 && element.items > rest / least) {
-      throw BakeError(ExitCode::invalid_input,
-                      path_ + ": the PLY header announces " + std::to_string(element.items) + " " +
-                          element.name + " elements, more than the file holds; it was cut short " +
-                          "or is damaged, copy or export the mesh again");
+      refuse_file(path_,
+                  "the PLY header announces " + std::to_string(element.items) + " " + element.name +
+                      " elements, more than the file holds",
+                  "it was cut short or is damaged, copy or export the mesh again");
     }
   }
 
  private:
-  template <class T>
-  [[nodiscard]] static double decode_as(const std::array<char, 8>& raw) {
-    T value;
-    std::memcpy(&value, raw.data(), sizeof value);
-    return static_cast<double>(value);
-  }
-
-  [[nodiscard]] static double decode(const std::array<char, 8>& raw, const Type& type) {
-    if (type.real) return type.bytes == 8 ? decode_as<double>(raw) : decode_as<float>(raw);
-    switch (type.bytes) {
-      case 1:
-        return type.is_signed ? decode_as<std::int8_t>(raw) : decode_as<std::uint8_t>(raw);
-      case 2:
-        return type.is_signed ? decode_as<std::int16_t>(raw) : decode_as<std::uint16_t>(raw);
-      default:
-        return type.is_signed ? decode_as<std::int32_t>(raw) : decode_as<std::uint32_t>(raw);
-    }
-  }
-
   const std::string& path_;
   std::string_view bytes_;
   Encoding encoding_;
@@ -241,7 +231,7 @@ class Reader {
           std::find_if(element.properties.begin(), element.properties.end(),
                        [&](const Property& p) { return p.name == name && !p.count; });
       if (found == element.properties.end()) {
-        fail("the PLY header gives vertices no property " + name + "; export the mesh again");
+        refuse_file(path_, "the PLY header gives vertices no property " + name);
       }
       axes[axis] = static_cast<std::size_t>(found - element.properties.begin());
     }
@@ -253,8 +243,8 @@ class Reader {
       }
       const Vector3 point(item[axes[0]], item[axes[1]], item[axes[2]]);
       if (!point.allFinite()) {
-        fail(values_.place(element, i) +
-             ": a coordinate is not finite; remove or mend this vertex and export the mesh again");
+        refuse_at(element, i, "a coordinate is not finite",
+                  "remove or mend this vertex and export the mesh again");
       }
       soup.points.push_back(point);
     }
@@ -268,7 +258,7 @@ class Reader {
           return p.count && (p.name == "vertex_indices" || p.name == "vertex_index");
         });
     if (corners == element.properties.end()) {
-      fail("the PLY header gives faces no list vertex_indices; export the mesh again");
+      refuse_file(path_, "the PLY header gives faces no list vertex_indices");
     }
     const std::size_t wanted = static_cast<std::size_t>(corners - element.properties.begin()) + 1;
     const std::optional<MeshText> start = values_.text_here();
@@ -318,8 +308,9 @@ class Reader {
     }
   }
 
-  [[noreturn]] void fail(const std::string& message) const {
-    throw BakeError(ExitCode::invalid_input, path_ + ": " + message);
+  [[noreturn]] void refuse_at(const Element& element, std::size_t item, const std::string& cause,
+                              const std::string& cure = "export the mesh again") const {
+    refuse_file(path_ + ": " + values_.place(element, item), cause, cure);
   }
 
   /// The value, or the length of a list. The list's items are kept in list_.
@@ -327,7 +318,7 @@ class Reader {
                                      std::size_t item) {
     if (!property.count) return values_.next(property.type, element, item);
     const double length = values_.next(*property.count, element, item);
-    if (length < 0) fail(values_.place(element, item) + ": negative length; export the mesh again");
+    if (length < 0) refuse_at(element, item, "negative length");
     list_.clear();
     for (std::size_t i = 0; static_cast<double>(i) < length; ++i) {
       list_.push_back(values_.next(property.type, element, item));
@@ -337,8 +328,8 @@ class Reader {
 
   void add_face(const Element& element, std::size_t item) {
     if (polygon_.size() < 3) {
-      fail(values_.place(element, item) + ": face with " + std::to_string(polygon_.size()) +
-           " vertices; a face needs 3 or more, export the mesh again");
+      refuse_at(element, item, "face with " + std::to_string(polygon_.size()) + " vertices",
+                "a face needs 3 or more, export the mesh again");
     }
     indices_.clear();
     for (const double index : polygon_) indices_.push_back(vertex(index, element, item));
@@ -365,9 +356,9 @@ class Reader {
   [[nodiscard]] std::uint32_t vertex(double index, const Element& element, std::size_t item) const {
     if (!(index >= 0) || index >= static_cast<double>(soup.points.size()) ||
         index != std::floor(index)) {
-      fail(values_.place(element, item) + ": vertex index " + printed(index) +
-           " is out of range (" + std::to_string(soup.points.size()) +
-           " vertices); export the mesh again");
+      refuse_at(element, item,
+                "vertex index " + printed(index) + " is out of range (" +
+                    std::to_string(soup.points.size()) + " vertices)");
     }
     return static_cast<std::uint32_t>(index);
   }

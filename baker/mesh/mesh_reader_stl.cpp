@@ -6,7 +6,6 @@
 #include <string>
 #include <string_view>
 
-#include "baker/base/bake_error.hpp"
 #include "baker/mesh/mesh_reader.hpp"
 #include "baker/mesh/mesh_text.hpp"
 
@@ -35,22 +34,22 @@ void add_triangle(PolygonSoup& soup) {
   soup.triangles.push_back({last - 3, last - 2, last - 1});
 }
 
-[[noreturn]] void fail(const std::string& message) {
-  throw BakeError(ExitCode::invalid_input, message);
-}
-
 [[nodiscard]] PolygonSoup read_binary(const std::string& path, std::string_view bytes) {
   if (bytes.size() < kHeaderBytes) {
-    fail(path + ": the file ends within the STL header after " + std::to_string(bytes.size()) +
-         " bytes; it was cut short, copy or export the mesh again");
+    refuse_file(
+        path,
+        "the file ends within the STL header after " + std::to_string(bytes.size()) + " bytes",
+        "it was cut short, copy or export the mesh again");
   }
   const std::uint32_t count = triangle_count(bytes);
   const std::uint64_t expected = kHeaderBytes + std::uint64_t{count} * kTriangleBytes;
   // As many bytes as a triangle takes may be one that the count has missed.
   if (bytes.size() < expected || bytes.size() - expected >= kTriangleBytes) {
-    fail(path + ": the STL header announces " + std::to_string(count) + " triangles in " +
-         std::to_string(expected) + " bytes, but the file has " + std::to_string(bytes.size()) +
-         "; it was cut short or is damaged, copy or export the mesh again");
+    refuse_file(path,
+                "the STL header announces " + std::to_string(count) + " triangles in " +
+                    std::to_string(expected) + " bytes, but the file has " +
+                    std::to_string(bytes.size()),
+                "it was cut short or is damaged, copy or export the mesh again");
   }
   PolygonSoup soup;
   soup.points.reserve(std::size_t{count} * 3);
@@ -63,9 +62,8 @@ void add_triangle(PolygonSoup& soup) {
         point[axis] = std::bit_cast<float>(word_at(at + kNormalBytes + 4 * (3 * corner + axis)));
       }
       if (!point.allFinite()) {
-        fail(path + ": triangle " + std::to_string(triangle) +
-             " (counted from 0): a coordinate is not finite; remove or mend it and export the "
-             "mesh again");
+        refuse_file(path + ": triangle " + std::to_string(triangle) + " (counted from 0)",
+                    "a coordinate is not finite", "remove or mend it and export the mesh again");
       }
       soup.points.push_back(point);
     }

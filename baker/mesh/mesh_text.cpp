@@ -6,7 +6,7 @@
 #include <system_error>
 #include <utility>
 
-#include "baker/base/bake_error.hpp"
+#include "baker/mesh/mesh_reader.hpp"
 
 namespace spm::baker {
 namespace {
@@ -43,10 +43,9 @@ bool is_utf16(std::string_view bytes) {
 
 std::string ascii_of_utf16(const std::string& path, std::string_view bytes) {
   if (bytes.size() % 2 != 0) {
-    throw BakeError(ExitCode::invalid_input,
-                    path + ": byte " + std::to_string(bytes.size() - 1) +
-                        ": the text in UTF-16 ends within a letter; it was cut short, copy or "
-                        "export the mesh again");
+    refuse_file(path + ": byte " + std::to_string(bytes.size() - 1),
+                "the text in UTF-16 ends within a letter",
+                "it was cut short, copy or export the mesh again");
   }
   const std::size_t low = bytes.starts_with("\xFF\xFE") ? 0 : 1;
   std::string text;
@@ -63,10 +62,8 @@ MeshText::MeshText(std::string path, std::string_view bytes, std::size_t start, 
   constexpr std::string_view kByteOrderMark = "\xEF\xBB\xBF";
   const std::size_t zero = bytes.find('\0', start);
   if (zero != std::string_view::npos) {
-    throw BakeError(ExitCode::invalid_input,
-                    path_ + ": byte " + std::to_string(zero) +
-                        ": binary data where text is expected; the file is damaged or of another "
-                        "format, export the mesh again");
+    refuse_file(path_ + ": byte " + std::to_string(zero), "binary data where text is expected",
+                "the file is damaged or of another format, export the mesh again");
   }
   if (start == 0 && bytes.starts_with(kByteOrderMark)) position_ = kByteOrderMark.size();
 }
@@ -103,6 +100,18 @@ std::string_view MeshText::next_word_anywhere(std::string_view what) {
   return word;
 }
 
+Vector3 MeshText::point(const std::string& cure) {
+  Vector3 point;
+  for (int axis = 0; axis < 3; ++axis) {
+    const std::string_view word = next_word();
+    if (word.empty()) {
+      fail("vertex has " + std::to_string(axis) + " coordinates instead of 3", cure);
+    }
+    point[axis] = number(word, "coordinate");
+  }
+  return point;
+}
+
 double MeshText::number(std::string_view word, std::string_view what) const {
   const std::string_view digits = without_plus(word);
   double value = 0;
@@ -136,8 +145,7 @@ void MeshText::fail(const std::string& cause, const std::string& cure) const {
 }
 
 void MeshText::fail_at(std::size_t line, const std::string& cause, const std::string& cure) const {
-  throw BakeError(ExitCode::invalid_input,
-                  path_ + ": line " + std::to_string(line) + ": " + cause + "; " + cure);
+  refuse_file(path_ + ": line " + std::to_string(line), cause, cure);
 }
 
 void MeshText::fail_cut_short(std::string_view missing) const {

@@ -5,6 +5,8 @@
 #include <string>
 #include <string_view>
 
+#include "common/base/vector.hpp"
+
 namespace spm::baker {
 
 /// The word in lower case, of ASCII letters alone.
@@ -30,6 +32,9 @@ class MeshText {
 
   /// Next word of this line or a following one. Throws "cut short" at the end of the file.
   [[nodiscard]] std::string_view next_word_anywhere(std::string_view what);
+
+  /// The coordinates of a vertex, the next words of the line; `cure` where there are fewer.
+  [[nodiscard]] Vector3 point(const std::string& cure);
 
   [[nodiscard]] double number(std::string_view word, std::string_view what) const;
   [[nodiscard]] std::int64_t integer(std::string_view word, std::string_view what) const;
