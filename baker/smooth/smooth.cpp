@@ -6,8 +6,14 @@
 #include <tbb/parallel_for.h>
 
 #include <algorithm>
+#include <array>
 #include <cmath>
+#include <cstdint>
+#include <functional>
+#include <limits>
 #include <map>
+#include <optional>
+#include <span>
 #include <utility>
 #include <vector>
 
@@ -16,7 +22,6 @@
 #include "baker/cast/cast.hpp"
 #include "baker/mesh/triangle_height.hpp"
 #include "baker/smooth/mesh_refine.hpp"
-#include "baker/smooth/mesh_window.hpp"
 #include "baker/smooth/surface_mesh.hpp"
 #include "baker/surface/outer_surface.hpp"
 #include "common/base/units.hpp"
@@ -50,6 +55,240 @@ constexpr std::size_t grain = 64;
 double area_of(const std::vector<Vector3>& points, const Triangle& t) {
   return triangle_area(points[t[0]], points[t[1]], points[t[2]]);
 }
+
+constexpr double unknown = std::numeric_limits<double>::infinity();
+
+/// Turns the counts of each vertex's entries, which are shifted by one, into the indices where its
+/// entries begin.
+void accumulate(std::vector<std::uint32_t>& first) {
+  for (std::size_t i = 1; i < first.size(); ++i) first[i] += first[i - 1];
+}
+
+/// A mesh with its neighbourhoods. Immutable; any number of threads may read it.
+class MeshNeighbours {
+ public:
+  /// A triangle seen from one of its corners, anticlockwise.
+  struct Corner {
+    std::uint32_t next, last;  ///< the other corners
+    double to_next, to_last;   ///< lengths of the sides from here, m
+    double across;             ///< of the third one
+    double twice_area;         ///< m2
+  };
+  /// The other end of an edge.
+  struct Neighbour {
+    std::uint32_t vertex;
+    double length2;  ///< m2
+    double area;     ///< a third of the edge's triangles, m2
+  };
+
+  /// `fixed` vertices stay where they are and end every window. At `bent` vertices the mesh is not
+  /// flat. One flag for each vertex. The mesh must outlive this.
+  MeshNeighbours(const SurfaceMesh& surface_mesh, const MeshEdges& edges, std::vector<char> fixed,
+                 std::vector<char> bent)
+      : surface_mesh_(surface_mesh),
+        fixed_(std::move(fixed)),
+        bent_(std::move(bent)),
+        first_corner_(surface_mesh.vertices.size() + 1, 0),
+        first_neighbour_(surface_mesh.vertices.size() + 1, 0),
+        corners_(3 * surface_mesh.triangles.size()),
+        neighbours_(2 * edges.edges.size()) {
+    add_corners();
+    add_neighbours(edges);
+  }
+
+  [[nodiscard]] const SurfaceMesh& surface_mesh() const { return surface_mesh_; }
+  [[nodiscard]] bool fixed(std::uint32_t vertex) const { return fixed_[vertex] != 0; }
+  [[nodiscard]] bool bent(std::uint32_t vertex) const { return bent_[vertex] != 0; }
+  [[nodiscard]] std::span<const Corner> corners(std::uint32_t vertex) const {
+    return std::span(corners_).subspan(first_corner_[vertex],
+                                       first_corner_[vertex + 1] - first_corner_[vertex]);
+  }
+  [[nodiscard]] std::span<const Neighbour> neighbours(std::uint32_t vertex) const {
+    return std::span(neighbours_)
+        .subspan(first_neighbour_[vertex], first_neighbour_[vertex + 1] - first_neighbour_[vertex]);
+  }
+
+ private:
+  void add_corners() {
+    for (const Triangle& triangle : surface_mesh_.triangles) {
+      for (const std::uint32_t corner : triangle) ++first_corner_[corner + 1];
+    }
+    accumulate(first_corner_);
+    std::vector<std::uint32_t> free = first_corner_;
+    for (const Triangle& t : surface_mesh_.triangles) {
+      const std::array<Vector3, 3> sides{
+          surface_mesh_.vertices[t[1]] - surface_mesh_.vertices[t[0]],
+          surface_mesh_.vertices[t[2]] - surface_mesh_.vertices[t[1]],
+          surface_mesh_.vertices[t[0]] - surface_mesh_.vertices[t[2]]};
+      const double twice_area = sides[0].cross(sides[1]).norm();
+      for (std::size_t k = 0; k < 3; ++k) {
+        const std::size_t next = (k + 1) % 3, last = (k + 2) % 3;
+        corners_[free[t[k]]++] = {
+            t[next], t[last], sides[k].norm(), sides[last].norm(), sides[next].norm(), twice_area};
+      }
+    }
+  }
+
+  void add_neighbours(const MeshEdges& edges) {
+    for (const MeshEdge& edge : edges.edges) {
+      for (const std::uint32_t end : edge.ends) ++first_neighbour_[end + 1];
+    }
+    accumulate(first_neighbour_);
+    std::vector<std::uint32_t> free = first_neighbour_;
+    for (const MeshEdge& edge : edges.edges) {
+      const auto& [a, b] = edge.ends;
+      const double length2 = (surface_mesh_.vertices[b] - surface_mesh_.vertices[a]).squaredNorm();
+      neighbours_[free[a]++] = {b, length2, edge.area};
+      neighbours_[free[b]++] = {a, length2, edge.area};
+    }
+  }
+
+  const SurfaceMesh& surface_mesh_;
+  std::vector<char> fixed_, bent_;
+  std::vector<std::uint32_t> first_corner_, first_neighbour_;
+  std::vector<Corner> corners_;
+  std::vector<Neighbour> neighbours_;
+};
+
+/// The window of a filter around a vertex. It is unrolled along the mesh from triangle to
+/// triangle, so that nothing beyond a silhouette and no other layer of surface can come into it.
+/// Each thread needs its own.
+class MeshWindow {
+ public:
+  explicit MeshWindow(const MeshNeighbours& neighbours)
+      : neighbours_(neighbours),
+        distance_(neighbours.surface_mesh().vertices.size(), unknown),
+        settled_(neighbours.surface_mesh().vertices.size(), 0) {}
+
+  /// Where eq. 16 moves a vertex: to the mean of the mesh around it, weighted by the Gaussian of
+  /// the distance along the mesh. The window ends at the nearest fixed vertex, and the kernel
+  /// narrows with it. Metres. Empty where the vertex is fixed or the mesh is flat all over the
+  /// window.
+  [[nodiscard]] std::optional<Vector3> smoothed(std::uint32_t vertex, double sigma) {
+    if (neighbours_.fixed(vertex)) return std::nullopt;
+    offer(vertex, 0);
+    const double limit = explore(gaussian_cutoff * sigma, true);
+    const bool flat = std::none_of(window_.begin(), window_.end(),
+                                   [&](std::uint32_t v) { return neighbours_.bent(v); });
+    const std::vector<Vector3>& points = neighbours_.surface_mesh().vertices;
+    const Vector3& centre = points[vertex];
+    GaussianWindow<Vector3> filter(limit / gaussian_cutoff, Vector3::Zero());
+    for (const std::uint32_t from : window_) {
+      if (flat) break;
+      for (const MeshNeighbours::Neighbour& neighbour : neighbours_.neighbours(from)) {
+        const std::uint32_t to = neighbour.vertex;
+        if (settled_[to] != 0 && to < from) continue;
+        // The middles of the sides integrate a quadratic function exactly. Their distance is the
+        // length of a median.
+        const double squares = distance_[from] * distance_[from] + distance_[to] * distance_[to];
+        const double distance2 = std::max(0.0, (squares - neighbour.length2 / 2) / 2);
+        if (distance2 > limit * limit) continue;
+        filter.add(std::sqrt(distance2), 0, neighbour.area,
+                   (points[from] + points[to]) / 2 - centre);
+      }
+    }
+    forget();
+    if (!(filter.weight() > 0)) return std::nullopt;
+    return centre + filter.value();
+  }
+
+  /// The vertices that are within `distance` metres of a bent one along the mesh, as flags. Around
+  /// the other vertices the mesh is flat.
+  [[nodiscard]] std::vector<char> near_bends(double distance) {
+    const auto count = static_cast<std::uint32_t>(neighbours_.surface_mesh().vertices.size());
+    for (std::uint32_t vertex = 0; vertex < count; ++vertex) {
+      if (neighbours_.bent(vertex)) offer(vertex, 0);
+    }
+    (void)explore(distance, false);
+    std::vector<char> near = settled_;
+    forget();
+    return near;
+  }
+
+ private:
+  using Entry = std::pair<double, std::uint32_t>;
+
+  /// Goes outwards from the vertices whose distances were offered, up to `limit` metres. With
+  /// `fixed_end` it stops at the first fixed vertex. Returns how far it came.
+  [[nodiscard]] double explore(double limit, bool fixed_end) {
+    while (!heap_.empty()) {
+      std::pop_heap(heap_.begin(), heap_.end(), std::greater<>());
+      const auto [distance, vertex] = heap_.back();
+      heap_.pop_back();
+      if (settled_[vertex] != 0) continue;
+      if (distance > limit) break;
+      if (fixed_end && neighbours_.fixed(vertex)) {
+        limit = distance;
+        break;
+      }
+      settled_[vertex] = 1;
+      window_.push_back(vertex);
+      pass_on(vertex);
+    }
+    return limit;
+  }
+
+  void forget() {
+    for (const std::uint32_t vertex : known_) {
+      distance_[vertex] = unknown;
+      settled_[vertex] = 0;
+    }
+    known_.clear();
+    window_.clear();
+    heap_.clear();
+  }
+
+  /// Passes a vertex's final distance on to its neighbours: along edges, and straight across the
+  /// triangles of which a second corner is final too.
+  void pass_on(std::uint32_t vertex) {
+    const double distance = distance_[vertex];
+    for (const MeshNeighbours::Corner& corner : neighbours_.corners(vertex)) {
+      const bool next = settled_[corner.next] != 0;
+      const bool last = settled_[corner.last] != 0;
+      if (!next) offer(corner.next, distance + corner.to_next);
+      if (!last) offer(corner.last, distance + corner.to_last);
+      if (next && !last) {
+        pass_across(distance, distance_[corner.next], corner, corner.to_last, corner.to_next,
+                    corner.last);
+      } else if (last && !next) {
+        pass_across(distance, distance_[corner.last], corner, corner.to_next, corner.to_last,
+                    corner.next);
+      }
+    }
+  }
+
+  /// Distance of a triangle's third corner from a start that is unrolled into the triangle's plane.
+  /// It applies where the straight line there crosses the side between the two corners with known
+  /// distances.
+  void pass_across(double near, double far, const MeshNeighbours::Corner& corner, double arm,
+                   double side, std::uint32_t to) {
+    if (!(side > 0)) return;
+    const double x = (arm * arm + side * side - corner.across * corner.across) / (2 * side);
+    const double y = corner.twice_area / side;
+    const double start_x = (near * near - far * far + side * side) / (2 * side);
+    const double start_y = std::sqrt(std::max(0.0, near * near - start_x * start_x));
+    const double height = start_y + y;
+    if (!(height > 0)) return;
+    const double crossing = start_x + (x - start_x) * start_y / height;
+    if (crossing < 0 || crossing > side) return;
+    offer(to, std::sqrt((x - start_x) * (x - start_x) + height * height));
+  }
+
+  void offer(std::uint32_t vertex, double distance) {
+    if (distance >= distance_[vertex]) return;
+    if (distance_[vertex] == unknown) known_.push_back(vertex);
+    distance_[vertex] = distance;
+    heap_.emplace_back(distance, vertex);
+    std::push_heap(heap_.begin(), heap_.end(), std::greater<>());
+  }
+
+  const MeshNeighbours& neighbours_;
+  std::vector<double> distance_;      ///< along the mesh from the start, infinite where unknown
+  std::vector<char> settled_;         ///< the distance is final
+  std::vector<std::uint32_t> known_;  ///< vertices with a distance, to be reset afterwards
+  std::vector<std::uint32_t> window_;
+  std::vector<Entry> heap_;
+};
 
 /// The outer surface without its sheets, which stay as they are.
 SurfaceMesh surface_mesh_of(const OuterSurface& surface) {
