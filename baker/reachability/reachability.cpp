@@ -128,12 +128,6 @@ bool Reachability::checks(PruneRule rule) const {
   return false;
 }
 
-PruneRule Reachability::likeliest() const {
-  const Implementation& self = *implementation_;
-  if (self.places) return PruneRule::probe;
-  return self.workspace ? PruneRule::workspace : PruneRule::unreachable;
-}
-
 PruneRule Reachability::point(const Vector3& place) const { return cube(place, 0); }
 
 }  // namespace spm::baker

@@ -55,9 +55,6 @@ class Reachability {
   /// check.
   [[nodiscard]] bool checks(PruneRule rule) const;
 
-  /// The rule that is the most likely cause where no single place names one.
-  [[nodiscard]] PruneRule likeliest() const;
-
   /// Why a single place need not be modelled.
   [[nodiscard]] PruneRule point(const Vector3& place) const;
 
