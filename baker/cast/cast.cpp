@@ -9,6 +9,7 @@
 #include <embree/rays.hpp>
 #include <limits>
 #include <optional>
+#include <tuple>
 
 #include "baker/base/bake_error.hpp"
 #include "baker/mesh/mesh_edges.hpp"
@@ -122,6 +123,29 @@ struct Caster::Implementation {
     rtcReleaseGeometry(geometry);
   }
 
+  [[nodiscard]] RTCRayHit ray_from(const Vector3& origin, const Vector3& direction,
+                                   float far) const {
+    const Eigen::Vector3f local = (origin - centre).cast<float>(), way = direction.cast<float>();
+    RTCRayHit ray{};
+    std::tie(ray.ray.org_x, ray.ray.org_y, ray.ray.org_z) = std::tie(local[0], local[1], local[2]);
+    std::tie(ray.ray.dir_x, ray.ray.dir_y, ray.ray.dir_z) = std::tie(way[0], way[1], way[2]);
+    ray.ray.tfar = far;
+    ray.ray.mask = ~0U;
+    ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    return ray;
+  }
+
+  /// A hit that Embree found, its depth `lift` less than the distance from the ray's origin, in
+  /// double precision.
+  [[nodiscard]] Crossing crossing(const Vector3& origin, const Vector3& direction, double lift,
+                                  std::uint32_t triangle, float found) const {
+    const double cosine = normals[triangle].dot(direction);
+    const double distance = std::abs(cosine) > grazing_cosine
+                                ? normals[triangle].dot(corners[triangle][0] - origin) / cosine
+                                : static_cast<double>(found);
+    return {distance - lift, triangle, cosine < 0};
+  }
+
   void collect(const Vector3& origin, const Vector3& direction, double lift,
                std::vector<Crossing>& crossings) const {
     thread_local std::vector<std::uint32_t> triangles;
@@ -137,26 +161,11 @@ struct Caster::Implementation {
     };
     collector.triangles = &triangles;
     collector.distances = &distances;
-    const Vector3 local = origin - centre;
-    RTCRayHit ray{};
-    ray.ray.org_x = static_cast<float>(local.x());
-    ray.ray.org_y = static_cast<float>(local.y());
-    ray.ray.org_z = static_cast<float>(local.z());
-    ray.ray.dir_x = static_cast<float>(direction.x());
-    ray.ray.dir_y = static_cast<float>(direction.y());
-    ray.ray.dir_z = static_cast<float>(direction.z());
-    ray.ray.tfar = std::numeric_limits<float>::infinity();
-    ray.ray.mask = ~0U;
-    ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+    RTCRayHit ray = ray_from(origin, direction, std::numeric_limits<float>::infinity());
     find_hit(rays, ray, collector.context, keep_looking);
     crossings.clear();
     for (std::size_t i = 0; i < triangles.size(); ++i) {
-      const std::uint32_t triangle = triangles[i];
-      const double cosine = normals[triangle].dot(direction);
-      const double distance = std::abs(cosine) > grazing_cosine
-                                  ? normals[triangle].dot(corners[triangle][0] - origin) / cosine
-                                  : static_cast<double>(distances[i]);
-      crossings.push_back({distance - lift, triangle, cosine < 0});
+      crossings.push_back(crossing(origin, direction, lift, triangles[i], distances[i]));
     }
   }
 };
@@ -270,26 +279,10 @@ std::optional<Crossing> Caster::first_between(const SupportPlane& plane, double 
                                               double from, double to) const {
   const Implementation& self = *implementation_;
   const Vector3 origin = support_plane_point(plane, eta, omega) - from * plane.n;
-  const Vector3 local = origin - self.centre;
-  RTCRayHit ray{};
-  ray.ray.org_x = static_cast<float>(local.x());
-  ray.ray.org_y = static_cast<float>(local.y());
-  ray.ray.org_z = static_cast<float>(local.z());
-  ray.ray.dir_x = static_cast<float>(-plane.n.x());
-  ray.ray.dir_y = static_cast<float>(-plane.n.y());
-  ray.ray.dir_z = static_cast<float>(-plane.n.z());
-  ray.ray.tfar = static_cast<float>(to - from);
-  ray.ray.mask = ~0U;
-  ray.hit.geomID = RTC_INVALID_GEOMETRY_ID;
+  RTCRayHit ray = self.ray_from(origin, -plane.n, static_cast<float>(to - from));
   find_hit(self.rays, ray);
   if (ray.hit.geomID == RTC_INVALID_GEOMETRY_ID) return std::nullopt;
-  const std::uint32_t triangle = ray.hit.primID;
-  const Vector3& normal = self.normals[triangle];
-  const double cosine = -normal.dot(plane.n);
-  const double distance = std::abs(cosine) > grazing_cosine
-                              ? normal.dot(self.corners[triangle][0] - origin) / cosine
-                              : static_cast<double>(ray.ray.tfar);
-  return Crossing{from + distance, triangle, cosine < 0};
+  return self.crossing(origin, -plane.n, -from, ray.hit.primID, ray.ray.tfar);
 }
 
 namespace {

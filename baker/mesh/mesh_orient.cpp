@@ -1,8 +1,6 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "baker/mesh/mesh_orient.hpp"
 
-#include <tbb/parallel_sort.h>
-
 #include <algorithm>
 #include <cmath>
 #include <map>
@@ -141,40 +139,30 @@ class Turner {
 
  private:
   void measure(Patch& patch) const {
-    std::vector<std::pair<std::uint64_t, int>> sides;
-    for (const std::uint32_t t : patch.triangles) {
-      for (std::size_t k = 0; k < 3; ++k) {
-        const std::uint64_t from = triangles_[t][k];
-        const std::uint64_t to = triangles_[t][(k + 1) % 3];
-        sides.emplace_back(std::min(from, to) << 32U | std::max(from, to), from < to ? 1 : -1);
-        patch.box.extend(points_[from]);
-      }
+    const std::vector<Triangle> own = triangles_of(patch);
+    for (const Triangle& triangle : own) {
+      for (const std::uint32_t corner : triangle) patch.box.extend(points_[corner]);
     }
-    tbb::parallel_sort(sides.begin(), sides.end());
-    for (std::size_t begin = 0; begin < sides.size() && patch.closed;) {
-      int balance = 0;
-      std::size_t end = begin;
-      for (; end < sides.size() && sides[end].first == sides[begin].first; ++end) {
-        balance += sides[end].second;
-      }
-      patch.closed = balance == 0;
-      begin = end;
-    }
+    for_each_edge(sorted_edges(own), [&](std::span<const HalfEdge> users) {
+      patch.closed = patch.closed && is_balanced(users);
+    });
     if (!patch.closed) return;
     const Vector3 origin = patch.box.center();
-    for (const std::uint32_t t : patch.triangles) {
-      const auto& [a, b, c] = triangles_[t];
+    for (const auto& [a, b, c] : own) {
       patch.volume +=
           (points_[a] - origin).dot((points_[b] - origin).cross(points_[c] - origin)) / 6;
     }
   }
 
+  [[nodiscard]] std::vector<Triangle> triangles_of(const Patch& patch) const {
+    std::vector<Triangle> own;
+    own.reserve(patch.triangles.size());
+    for (const std::uint32_t t : patch.triangles) own.push_back(triangles_[t]);
+    return own;
+  }
+
   [[nodiscard]] const WindingNumber& number(std::size_t patch) {
-    if (!numbers_[patch]) {
-      std::vector<Triangle> own;
-      for (const std::uint32_t t : patches_[patch].triangles) own.push_back(triangles_[t]);
-      numbers_[patch].emplace(points_, own);
-    }
+    if (!numbers_[patch]) numbers_[patch].emplace(points_, triangles_of(patches_[patch]));
     return *numbers_[patch];
   }
 

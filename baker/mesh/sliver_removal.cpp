@@ -106,15 +106,9 @@ class SliverRemoval {
   }
   /// The corner opposite the longest side.
   [[nodiscard]] std::size_t apex_of(const Triangle& t) const {
-    std::size_t apex = 0;
-    double longest = -1;
-    for (std::size_t k = 0; k < 3; ++k) {
-      const double here = length(t[(k + 1) % 3], t[(k + 2) % 3]);
-      if (here <= longest) continue;
-      longest = here;
-      apex = k;
-    }
-    return apex;
+    const std::array lengths{length(t[1], t[2]), length(t[2], t[0]), length(t[0], t[1])};
+    return static_cast<std::size_t>(std::max_element(lengths.begin(), lengths.end()) -
+                                    lengths.begin());
   }
   [[nodiscard]] double height_of(const Triangle& t) const {
     return triangle_height(vertices_[t[0]], vertices_[t[1]], vertices_[t[2]]);

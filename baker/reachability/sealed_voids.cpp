@@ -5,9 +5,11 @@
 #include <array>
 #include <cmath>
 #include <span>
+#include <utility>
 #include <vector>
 
 #include "baker/base/groups.hpp"
+#include "baker/mesh/mesh_edges.hpp"
 #include "common/surface/support_plane_mapping.hpp"
 
 namespace spm::baker {
@@ -46,14 +48,6 @@ Triangles number_corners(const Caster& caster, std::uint32_t count) {
   return numbered;
 }
 
-/// One of a triangle's edges, given as the edge from its lower to its higher corner.
-struct Edge {
-  std::uint32_t low, high, triangle;
-  bool forward;      ///< the triangle runs along it from low to high
-  double angle = 0;  ///< of the triangle about the edge, where more than two meet
-  [[nodiscard]] auto corners() const { return std::array{low, high}; }
-};
-
 /// The boundary of free space in parts: triangles are joined where free space continues between
 /// them.
 struct Parts {
@@ -61,10 +55,10 @@ struct Parts {
   std::vector<char> closed;
 };
 
-/// Sorts triangles by angle about the edge that they share, so that neighbours in angle bound one
-/// wedge.
-void sort_about_edge(const Caster& caster, const Triangles& triangles, std::span<Edge> edges) {
-  const auto place = [&](const Edge& edge, std::uint32_t point) {
+/// The users of an edge by angle about it, so that neighbours in angle bound one wedge.
+std::vector<HalfEdge> sorted_about(const Caster& caster, const Triangles& triangles,
+                                   std::span<const HalfEdge> edges) {
+  const auto place = [&](const HalfEdge& edge, std::uint32_t point) {
     const Triangle& corners = triangles.corners[edge.triangle];
     const auto which = std::find(corners.begin(), corners.end(), point) - corners.begin();
     return caster.corner(edge.triangle, static_cast<int>(which));
@@ -72,17 +66,17 @@ void sort_about_edge(const Caster& caster, const Triangles& triangles, std::span
   const Vector3 from = place(edges[0], edges[0].low);
   const SupportPlane across =
       plane_with_normal(from, (place(edges[0], edges[0].high) - from).normalized());
-  for (Edge& edge : edges) {
-    const Triangle& corners = triangles.corners[edge.triangle];
-    const std::uint32_t apex = *std::find_if(corners.begin(), corners.end(), [&](std::uint32_t c) {
-      return c != edge.low && c != edge.high;
-    });
-    const Vector3 arm = place(edge, apex) - from;
-    edge.angle = std::atan2(arm.dot(across.v), arm.dot(across.u));
+  std::vector<std::pair<double, HalfEdge>> angles;
+  for (const HalfEdge& edge : edges) {
+    const Vector3 arm = place(edge, tip_of(triangles.corners[edge.triangle], edge)) - from;
+    angles.emplace_back(std::atan2(arm.dot(across.v), arm.dot(across.u)), edge);
   }
-  std::sort(edges.begin(), edges.end(), [](const Edge& a, const Edge& b) {
-    return a.angle != b.angle ? a.angle < b.angle : a.triangle < b.triangle;
+  std::sort(angles.begin(), angles.end(), [](const auto& a, const auto& b) {
+    return a.first != b.first ? a.first < b.first : a.second.triangle < b.second.triangle;
   });
+  std::vector<HalfEdge> sorted;
+  for (const auto& [angle, edge] : angles) sorted.push_back(edge);
+  return sorted;
 }
 
 class PartFinder {
@@ -91,15 +85,14 @@ class PartFinder {
       : caster_(caster), triangles_(triangles), groups_(triangles.corners.size()) {}
 
   Parts find() {
-    std::vector<Edge> edges = all_edges();
     std::vector<char> open(triangles_.corners.size(), 0);
-    for (std::size_t i = 0, end = 0; i < edges.size(); i = end) {
-      while (end < edges.size() && edges[end].corners() == edges[i].corners()) ++end;
-      const std::span<Edge> shared(&edges[i], end - i);
-      if (shared.size() > 2) sort_about_edge(caster_, triangles_, shared);
-      if (join_about_edge(shared)) continue;
-      for (const Edge& edge : shared) open[edge.triangle] = 1;
-    }
+    for_each_edge(sorted_edges(triangles_.corners), [&](std::span<const HalfEdge> users) {
+      if (users[0].low == users[0].high) return;
+      const bool joined = users.size() > 2
+                              ? join_about_edge(sorted_about(caster_, triangles_, users))
+                              : join_about_edge(users);
+      for (const HalfEdge& user : users) open[user.triangle] |= joined ? 0 : 1;
+    });
     return number(open);
   }
 
@@ -108,28 +101,12 @@ class PartFinder {
   const Triangles& triangles_;
   Groups groups_;
 
-  [[nodiscard]] std::vector<Edge> all_edges() const {
-    std::vector<Edge> edges;
-    edges.reserve(3 * triangles_.corners.size());
-    for (std::uint32_t t = 0; t < triangles_.corners.size(); ++t) {
-      for (std::size_t k = 0; k < 3; ++k) {
-        const std::uint32_t from = triangles_.corners[t][k];
-        const std::uint32_t to = triangles_.corners[t][(k + 1) % 3];
-        if (from != to) edges.push_back({std::min(from, to), std::max(from, to), t, from < to});
-      }
-    }
-    std::sort(edges.begin(), edges.end(), [](const Edge& a, const Edge& b) {
-      return a.corners() != b.corners() ? a.corners() < b.corners() : a.triangle < b.triangle;
-    });
-    return edges;
-  }
-
   /// A triangle that runs along the edge has free space in the direction of growing angles, and the
   /// next triangle bounds it. False where some triangle has no such partner.
-  bool join_about_edge(std::span<const Edge> edges) {
+  bool join_about_edge(std::span<const HalfEdge> edges) {
     if (edges.size() % 2 != 0) return false;
     for (std::size_t i = 0; i < edges.size(); ++i) {
-      const Edge& next = edges[(i + 1) % edges.size()];
+      const HalfEdge& next = edges[(i + 1) % edges.size()];
       if (edges[i].forward == next.forward) return false;
     }
     for (std::size_t i = 0; i < edges.size(); ++i) {

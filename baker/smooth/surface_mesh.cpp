@@ -9,17 +9,10 @@
 #include <span>
 #include <utility>
 
+#include "baker/mesh/mesh_edges.hpp"
+
 namespace spm::baker {
 namespace {
-
-/// A triangle's side, for sorting it next to the others along the same edge.
-struct Side {
-  std::uint64_t ends;  ///< the lower vertex in the upper bits, the higher in the lower
-  std::uint32_t side;  ///< 3 * triangle + corner
-  [[nodiscard]] bool operator<(const Side& other) const {
-    return ends != other.ends ? ends < other.ends : side < other.side;
-  }
-};
 
 double angle_between(const Vector3& a, const Vector3& b) {
   return std::atan2(a.cross(b).norm(), a.dot(b));
@@ -35,34 +28,19 @@ std::vector<Vector3> areas_of(const SurfaceMesh& surface_mesh) {
   return areas;
 }
 
-std::vector<Side> sorted_sides(const SurfaceMesh& surface_mesh) {
-  std::vector<Side> sides(3 * surface_mesh.triangles.size());
-  tbb::parallel_for(std::size_t{0}, sides.size(), [&](std::size_t i) {
-    const Triangle& triangle = surface_mesh.triangles[i / 3];
-    const auto [low, high] = std::minmax(triangle[i % 3], triangle[(i + 1) % 3]);
-    sides[i] = {std::uint64_t{low} << 32U | high, static_cast<std::uint32_t>(i)};
-  });
-  tbb::parallel_sort(sides.begin(), sides.end());
-  return sides;
-}
-
 /// The edge that a run of sides has in common.
-MeshEdge edge_of(const SurfaceMesh& surface_mesh, std::span<const Vector3> areas,
-                 std::span<const Side> run) {
+MeshEdge edge_of(std::span<const Vector3> areas, std::span<const HalfEdge> run) {
   MeshEdge edge;
-  edge.ends = {static_cast<std::uint32_t>(run.front().ends >> 32U),
-               static_cast<std::uint32_t>(run.front().ends)};
-  int balance = 0;
-  for (const Side& side : run) {
-    const Vector3& area = areas[side.side / 3];
+  edge.ends = {run.front().low, run.front().high};
+  for (const HalfEdge& side : run) {
+    const Vector3& area = areas[side.triangle];
     edge.area += area.norm() / 3;
-    balance += surface_mesh.triangles[side.side / 3][side.side % 3] == edge.ends[0] ? 1 : -1;
-    for (const Side& other : run) {
-      if (other.side >= side.side) break;
-      edge.turn = std::max(edge.turn, angle_between(areas[other.side / 3], area));
+    for (const HalfEdge& other : run) {
+      if (&other == &side) break;
+      edge.turn = std::max(edge.turn, angle_between(areas[other.triangle], area));
     }
   }
-  edge.paired = balance == 0;
+  edge.paired = is_balanced(run);
   edge.triangles = static_cast<int>(run.size());
   return edge;
 }
@@ -72,22 +50,27 @@ constexpr std::uint32_t unplaced = 0xFFFFFFFF;
 }  // namespace
 
 MeshEdges edges_of(const SurfaceMesh& surface_mesh) {
-  const std::vector<Side> sides = sorted_sides(surface_mesh);
+  const std::vector<HalfEdge> sides = sorted_edges(surface_mesh.triangles);
   const std::vector<Vector3> areas = areas_of(surface_mesh);
   MeshEdges result;
   result.of_sides.resize(surface_mesh.triangles.size());
   std::vector<std::size_t> starts;
   starts.reserve(sides.size() / 2 + 1);
-  for (std::size_t i = 0; i < sides.size(); ++i) {
-    if (i == 0 || sides[i].ends != sides[i - 1].ends) starts.push_back(i);
-    result.of_sides[sides[i].side / 3][sides[i].side % 3] =
-        static_cast<std::uint32_t>(starts.size() - 1);
-  }
+  for_each_edge(sides, [&](std::span<const HalfEdge> run) {
+    for (const auto& [low, high, triangle, forward] : run) {
+      const Triangle& corners = surface_mesh.triangles[triangle];
+      const auto k =
+          std::find(corners.begin(), corners.end(), forward ? low : high) - corners.begin();
+      result.of_sides[triangle][static_cast<std::size_t>(k)] =
+          static_cast<std::uint32_t>(starts.size());
+    }
+    starts.push_back(static_cast<std::size_t>(run.data() - sides.data()));
+  });
   result.edges.resize(starts.size());
   starts.push_back(sides.size());
   tbb::parallel_for(std::size_t{0}, result.edges.size(), [&](std::size_t i) {
-    result.edges[i] = edge_of(surface_mesh, areas,
-                              std::span(sides).subspan(starts[i], starts[i + 1] - starts[i]));
+    result.edges[i] =
+        edge_of(areas, std::span(sides).subspan(starts[i], starts[i + 1] - starts[i]));
   });
   return result;
 }
