@@ -135,6 +135,11 @@ struct Caster::Implementation {
     return ray;
   }
 
+  [[nodiscard]] RTCPointQuery query_around(const Vector3& point, float radius) const {
+    const Eigen::Vector3f local = (point - centre).cast<float>();
+    return {.x = local[0], .y = local[1], .z = local[2], .time = 0, .radius = radius};
+  }
+
   /// A hit that Embree found, its depth `lift` less than the distance from the ray's origin, in
   /// double precision.
   [[nodiscard]] Crossing crossing(const Vector3& origin, const Vector3& direction, double lift,
@@ -211,23 +216,19 @@ Caster::Caster(const OuterSurface& surface, double sheet_thickness)
   Implementation& self = *implementation_;
   self.solid_count = surface.solid_count;
   self.sheet_thickness = surface.has_sheets() ? sheet_thickness : 0;
-  Vector3 low = Vector3::Constant(std::numeric_limits<double>::infinity());
-  Vector3 high = -low;
+  Eigen::AlignedBox3d box;
   self.corners.reserve(surface.triangles.size());
   self.normals.reserve(surface.triangles.size());
   for (const Triangle& triangle : surface.triangles) {
     const std::array<Vector3, 3> corners{surface.vertices[triangle[0]],
                                          surface.vertices[triangle[1]],
                                          surface.vertices[triangle[2]]};
-    for (const Vector3& corner : corners) {
-      low = low.cwiseMin(corner);
-      high = high.cwiseMax(corner);
-    }
+    for (const Vector3& corner : corners) box.extend(corner);
     self.corners.push_back(corners);
     self.normals.push_back((corners[1] - corners[0]).cross(corners[2] - corners[0]).normalized());
   }
-  self.centre = (low + high) / 2;
-  self.diagonal = (high - low).norm();
+  self.centre = box.center();
+  self.diagonal = box.diagonal().norm();
   if (surface.sides) {
     OuterSurface whole;
     whole.vertices = surface.sides->vertices;
@@ -319,12 +320,7 @@ ClosestPoint Caster::closest(const Vector3& point, double within) const {
   candidates.clear();
   constexpr double infinity = std::numeric_limits<double>::infinity();
   Search search{&self, point, tie_share * self.diagonal, infinity, infinity, &candidates};
-  const Vector3 local = point - self.centre;
-  RTCPointQuery query{};
-  query.x = static_cast<float>(local.x());
-  query.y = static_cast<float>(local.y());
-  query.z = static_cast<float>(local.z());
-  query.radius = search.reach(within);
+  RTCPointQuery query = self.query_around(point, search.reach(within));
   RTCPointQueryContext context;
   rtcInitPointQueryContext(&context);
   const auto visit = [](RTCPointQueryFunctionArguments* arguments) {
@@ -423,12 +419,8 @@ void Caster::boxes_within(const Vector3& point, double radius,
   };
   triangles.clear();
   Search search{&self, point, radius, &triangles};
-  const Vector3 local = point - self.centre;
-  RTCPointQuery query{};
-  query.x = static_cast<float>(local.x());
-  query.y = static_cast<float>(local.y());
-  query.z = static_cast<float>(local.z());
-  query.radius = static_cast<float>(radius * (1 + 1e-5) + 1e-6 * self.diagonal);
+  RTCPointQuery query =
+      self.query_around(point, static_cast<float>(radius * (1 + 1e-5) + 1e-6 * self.diagonal));
   RTCPointQueryContext context;
   rtcInitPointQueryContext(&context);
   const auto visit = [](RTCPointQueryFunctionArguments* arguments) {

@@ -3,7 +3,6 @@
 
 #include <algorithm>
 #include <cmath>
-#include <limits>
 
 #include "baker/reachability/reachability_field.hpp"
 #include "baker/reachability/sealed_voids.hpp"
@@ -70,19 +69,17 @@ Reachability::Reachability(const Caster& caster, const Band& band, double probe_
     if (!starts_outside) self.filled.reset();
   }
   if (!(probe_radius > 0)) return;
-  Vector3 low = Vector3::Constant(std::numeric_limits<double>::infinity());
-  Vector3 high = -low;
+  Eigen::AlignedBox3d box;
   for (std::uint32_t triangle = 0; triangle < caster.triangle_count(); ++triangle) {
     for (int corner = 0; corner < 3; ++corner) {
-      low = low.cwiseMin(caster.corner(triangle, corner));
-      high = high.cwiseMax(caster.corner(triangle, corner));
+      box.extend(caster.corner(triangle, corner));
     }
   }
   // With voxels as coarse as the ball is wide, the ball could pass through everything.
-  const double voxel = ReachabilityField::voxel_size(high - low, probe_radius);
+  const double voxel = ReachabilityField::voxel_size(box.sizes(), probe_radius);
   if (std::sqrt(3.0) / 2 * voxel >= probe_radius) return;
-  self.places =
-      std::make_unique<ReachabilityField>(caster, low, high, probe_radius, workspace, progress);
+  self.places = std::make_unique<ReachabilityField>(caster, box.min(), box.max(), probe_radius,
+                                                    workspace, progress);
 }
 
 Reachability::~Reachability() = default;

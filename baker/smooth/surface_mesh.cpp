@@ -77,20 +77,16 @@ MeshEdges edges_of(const SurfaceMesh& surface_mesh) {
 
 SurfaceMesh in_order_of_space(const SurfaceMesh& surface_mesh) {
   if (surface_mesh.vertices.empty()) return surface_mesh;
-  Vector3 low = surface_mesh.vertices.front();
-  Vector3 high = low;
-  for (const Vector3& vertex : surface_mesh.vertices) {
-    low = low.cwiseMin(vertex);
-    high = high.cwiseMax(vertex);
-  }
-  const double step = std::max((high - low).maxCoeff(), 1e-300) / 1023;
+  Eigen::AlignedBox3d box;
+  for (const Vector3& vertex : surface_mesh.vertices) box.extend(vertex);
+  const double step = std::max(box.sizes().maxCoeff(), 1e-300) / 1023;
   std::vector<std::pair<std::uint32_t, std::uint32_t>> order;  // code, vertex
   std::vector<std::uint32_t> place(surface_mesh.vertices.size(), unplaced);
   for (const Triangle& triangle : surface_mesh.triangles) {
     for (const std::uint32_t corner : triangle) {
       if (place[corner] != unplaced) continue;
       place[corner] = 0;
-      const Vector3 cell = (surface_mesh.vertices[corner] - low) / step;
+      const Vector3 cell = (surface_mesh.vertices[corner] - box.min()) / step;
       std::uint32_t code = 0;
       for (std::uint32_t bit = 0; bit < 10; ++bit) {
         for (std::uint32_t axis = 0; axis < 3; ++axis) {
