@@ -15,6 +15,7 @@
 #include "baker/base/groups.hpp"
 #include "baker/mesh/join_vertices.hpp"
 #include "baker/mesh/mesh_edges.hpp"
+#include "baker/mesh/mesh_repair.hpp"
 #include "baker/mesh/sliver_removal.hpp"
 #include "baker/mesh/triangle_fan.hpp"
 #include "baker/mesh/triangle_height.hpp"
@@ -228,25 +229,6 @@ constexpr double hair = 1e-7;
   }
   const std::vector<char> open = open_vertices(vertices.size(), solids);
   return std::none_of(open.begin(), open.end(), [](char is_open) { return is_open != 0; });
-}
-
-/// Keeps vertices that triangles refer to.
-void compact(std::vector<Vector3>& vertices, std::vector<Triangle>& triangles) {
-  std::vector<char> used(vertices.size(), 0);
-  for (const Triangle& triangle : triangles) {
-    for (const std::uint32_t corner : triangle) used[corner] = 1;
-  }
-  std::vector<std::uint32_t> renumbered(vertices.size(), 0);
-  std::uint32_t count = 0;
-  for (std::size_t i = 0; i < used.size(); ++i) {
-    if (used[i] == 0) continue;
-    vertices[count] = vertices[i];
-    renumbered[i] = count++;
-  }
-  vertices.resize(count);
-  for (Triangle& triangle : triangles) {
-    for (std::uint32_t& corner : triangle) corner = renumbered[corner];
-  }
 }
 
 /// Closes narrow gaps. Where what is left does not close, nor will on a lattice, the solids'
