@@ -209,8 +209,8 @@ void add_build_options(CLI::App& command, BuildRequest& request) {
                     "how far directions may be off in the median, above 0 and at most 45deg");
   command.add_option(
       "--max-bytes", bake.max_bytes,
-      "the most bytes that the file may take; queries are as fast as they can be with "
-      "so many (default: twice what the octree needs at least)");
+      "the most bytes that the file may take; queries are as fast as they can be with so many "
+      "(default: as many as make bytes times the time of queries least)");
   cli::add_quantity(command, "--max-depth", bake.max_depth, Quantity::length,
                     "how deep inside the asset answers, above 0");
   cli::add_quantity(command, "--margin", bake.margin, Quantity::length,

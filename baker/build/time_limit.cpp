@@ -14,11 +14,10 @@ namespace spm::baker {
 namespace {
 
 /// What of a mesh makes a stage long.
-constexpr std::array<std::array<const char*, 2>, 7> hard{{
+constexpr std::array<std::array<const char*, 2>, 6> hard{{
     {"load", "holes of many edges and triangles without neighbours"},
     {"surface", "triangles that cross each other, or face each other across narrow gaps"},
     {"casting", "much surface beside the tolerance"},
-    {"proof of tiles", "many triangles behind each other"},
     {"lattice", "many triangles that are lower than rounding"},
     {"octree", "many triangles within the band of one place, and surfaces that nearly touch"},
     {"verify", "places that many triangles are equally near to"},

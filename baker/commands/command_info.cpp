@@ -11,11 +11,11 @@
 #include "baker/build/build.hpp"
 #include "baker/commands/commands.hpp"
 #include "baker/commands/info_json.hpp"
-#include "baker/pictures/grid_walk.hpp"
 #include "baker/pictures/picture.hpp"
 #include "baker/pictures/picture_files.hpp"
 #include "baker/pictures/picture_legend.hpp"
 #include "baker/pictures/picture_text.hpp"
+#include "common/asset/grid_list.hpp"
 #include "common/field/octree_leaves.hpp"
 #include "formats/asset/asset_writer.hpp"
 #include "formats/asset/mapped_asset.hpp"
@@ -23,6 +23,22 @@
 
 namespace spm::baker {
 namespace {
+
+/// Calls `visit` with the list of an index word, or with the lists of the octants of a split cell.
+/// Splits that do not lie within the records are skipped.
+template <class Visit>
+void visit_lists(const Grid& grid, std::uint32_t word, const Visit& visit, int level = 0) {
+  if (static_cast<CellKind>(word >> 30U) != CellKind::record) return;
+  if (!is_split(word)) {
+    visit(GridList(grid, word));
+    return;
+  }
+  const std::size_t offset = word & offset_mask;
+  if (level >= split_levels || offset + 8 > grid.records.size()) return;
+  for (const std::uint32_t octant : grid.records.subspan(offset, 8)) {
+    visit_lists(grid, octant, visit, level + 1);
+  }
+}
 
 using Json = nlohmann::ordered_json;
 
@@ -111,21 +127,10 @@ std::uint64_t samples_of(const AssetView& view) {
   return samples;
 }
 
-/// Cells of the partition that touch the band.
-std::uint64_t band_cells(const AssetView& view) {
-  std::uint64_t cells = 0;
-  if (view.full) {
-    visit_all_lists(view.grid, [&cells](const GridList&) { ++cells; });
-  } else {
-    visit_leaves(view.octree,
-                 [&cells](const Leaf& leaf) { cells += has_answers(leaf.kind) ? 1U : 0U; });
-  }
-  return cells;
-}
-
 /// The leaves of an octree that answer: how many there are of each kind.
 struct LeafKinds {
   std::uint64_t maps = 0, map_pairs = 0, lists = 0;
+  [[nodiscard]] std::uint64_t all() const noexcept { return maps + map_pairs + lists; }
 };
 
 LeafKinds kinds_of(const DistanceOctree& octree) {
@@ -138,6 +143,15 @@ LeafKinds kinds_of(const DistanceOctree& octree) {
     if (leaf.kind == OctreeKind::list) ++kinds.lists;
   });
   return kinds;
+}
+
+/// Cells of the grid of a `full` asset that touch the band, and octants of split ones.
+std::uint64_t band_cells(const Grid& grid) {
+  std::uint64_t cells = 0;
+  for (const std::uint32_t word : grid.index) {
+    visit_lists(grid, word, [&cells](const GridList&) { ++cells; });
+  }
+  return cells;
 }
 
 /// The cubes of the octree and the triangles that answers come from.
@@ -157,6 +171,7 @@ nlohmann::ordered_json to_json(const MappedAsset& asset, const std::vector<std::
   const AssetMetadata& metadata = asset.metadata();
   const AssetView& view = asset.view();
   const AssetBytes bytes = asset.bytes();
+  const LeafKinds kinds = view.full ? LeafKinds{} : kinds_of(view.octree);
   Json json;
   json["path"] = asset.path();
   json["bytes"] = bytes.total;
@@ -168,7 +183,7 @@ nlohmann::ordered_json to_json(const MappedAsset& asset, const std::vector<std::
                  {"tiles", view.maps.size() + view.charts.size()},
                  {"samples", samples_of(view)},
                  {"layers_max", metadata.layers_max},
-                 {"cells", band_cells(view)}};
+                 {"cells", view.full ? band_cells(view.grid) : kinds.all()}};
   json["band"] = {{"max_depth_m", view.band.max_depth}, {"margin_m", view.band.margin}};
   json["probe_radius_m"] = metadata.probe_radius;
   json["tolerance_um"] = metadata.tolerance ? Json(*metadata.tolerance * 1e6) : Json();
@@ -189,7 +204,6 @@ nlohmann::ordered_json to_json(const MappedAsset& asset, const std::vector<std::
                     {"cell_m", view.grid.cell_size},
                     {"cells", view.grid.cells}};
   } else {
-    const LeafKinds kinds = kinds_of(view.octree);
     json["octree"] = octree_json(view, kinds);
     add_answers(view, json);
   }
