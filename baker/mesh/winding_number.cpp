@@ -1,21 +1,16 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #include "baker/mesh/winding_number.hpp"
 
-#include <tbb/parallel_invoke.h>
-
 #include <algorithm>
 #include <cmath>
-#include <limits>
+#include <cstddef>
 #include <numbers>
-#include <span>
 #include <utility>
 
 namespace spm::baker {
 namespace {
 
-constexpr std::uint32_t leaf_triangles = 2 * edge_lanes;
-
-constexpr std::uint32_t worth_a_thread = 16384;  ///< triangles
+constexpr std::size_t leaf_triangles = 8;
 
 /// The directed edges that remain after those that run in both directions cancelled; sorted.
 std::vector<std::array<std::uint32_t, 2>> cancelled(
@@ -49,156 +44,105 @@ std::vector<std::array<std::uint32_t, 2>> cancelled(
   return left;
 }
 
-}  // namespace
-
-std::int32_t WindingNumber::Tree::append(const Tree& other) {
-  const auto root = static_cast<std::int32_t>(nodes.size());
-  const auto first_block = static_cast<std::uint32_t>(blocks.size());
-  const auto first_triangles = static_cast<std::uint32_t>(leaves.size());
-  for (Node node : other.nodes) {
-    node.first_block += first_block;
-    node.last_block += first_block;
-    node.first_triangles += first_triangles;
-    node.last_triangles += first_triangles;
-    if (node.left >= 0) {
-      node.left += root;
-      node.right += root;
-    }
-    nodes.push_back(node);
-  }
-  blocks.insert(blocks.end(), other.blocks.begin(), other.blocks.end());
-  leaves.insert(leaves.end(), other.leaves.begin(), other.leaves.end());
-  return root;
-}
-
-class WindingNumber::Builder {
+/// A sum of half the solid angles of triangles (Van Oosterom and Strackee 1983). Small ones are
+/// added by multiplying complex numbers, which takes a tenth of the time of an arc tangent each.
+class AngleSum {
  public:
-  Builder(std::span<const Vector3> vertices, std::span<const Triangle> triangles)
-      : vertices_(vertices) {
-    triangles_.reserve(triangles.size());
-    for (const Triangle& corners : triangles) {
-      const auto& [a, b, c] = corners;
-      triangles_.push_back({vertices_[a] + vertices_[b] + vertices_[c], corners});
+  /// Of a triangle whose corners are seen from the point. One at a corner counts nothing.
+  void add(const Vector3& a, const Vector3& b, const Vector3& c) {
+    const double to_a = a.norm(), to_b = b.norm(), to_c = c.norm();
+    const double x = to_a * to_b * to_c + a.dot(b) * to_c + b.dot(c) * to_a + c.dot(a) * to_b;
+    const double y = a.dot(b.cross(c)), size = std::hypot(x, y);
+    if (!(size > 0)) return;
+    if (!(std::abs(y) <= x)) {
+      sum_ += std::atan2(y, x);
+      return;
     }
+    const double turned = (product_x_ * x - product_y_ * y) / size;
+    product_y_ = (product_x_ * y + product_y_ * x) / size;
+    product_x_ = turned;
+    if (std::abs(product_y_) <= product_x_) return;
+    sum_ = total();
+    product_x_ = 1;
+    product_y_ = 0;
   }
-
-  /// Adds the tree over the triangles of some numbers; gives where its root comes to be, and the
-  /// edges of its boundary.
-  std::int32_t build(std::uint32_t first, std::uint32_t last, Tree& tree,
-                     std::vector<Edge>& boundary) {
-    const auto index = static_cast<std::int32_t>(tree.nodes.size());
-    Node node;
-    node.low.setConstant(std::numeric_limits<double>::infinity());
-    node.high = -node.low;
-    for (std::uint32_t t = first; t < last; ++t) {
-      for (const std::uint32_t corner : triangles_[t].corners) {
-        node.low = node.low.cwiseMin(vertices_[corner]);
-        node.high = node.high.cwiseMax(vertices_[corner]);
-      }
-    }
-    node.apex = (node.low + node.high) / 2;
-    node.first = first;
-    node.last = last;
-    tree.nodes.push_back(node);
-    std::vector<Edge> edges;
-    if (last - first <= leaf_triangles) {
-      add_leaf(tree, node, edges);
-    } else {
-      divide(tree, node, edges);
-    }
-    boundary = cancelled(edges);
-    const std::vector<DirectedEdge> ends = ends_of(boundary);
-    const std::vector<EdgeBlock> blocks = edge_blocks(ends);
-    node.first_block = static_cast<std::uint32_t>(tree.blocks.size());
-    tree.blocks.insert(tree.blocks.end(), blocks.begin(), blocks.end());
-    node.last_block = static_cast<std::uint32_t>(tree.blocks.size());
-    node.edges = static_cast<std::uint32_t>(ends.size());
-    tree.nodes[static_cast<std::size_t>(index)] = node;
-    return index;
-  }
-
-  [[nodiscard]] std::vector<DirectedEdge> ends_of(const std::vector<Edge>& edges) const {
-    std::vector<DirectedEdge> ends;
-    ends.reserve(edges.size());
-    for (const auto& [from, to] : edges) ends.push_back({vertices_[from], vertices_[to]});
-    return ends;
-  }
+  [[nodiscard]] double total() const { return sum_ + std::atan2(product_y_, product_x_); }
 
  private:
-  struct Placed {
-    Vector3 sum = Vector3::Zero();  ///< of the corners
-    Triangle corners{};
-  };
+  double sum_ = 0;
+  double product_x_ = 1, product_y_ = 0;  ///< of angles that are not in the sum yet
+};
 
-  /// Lays the triangles of a leaf in blocks, and adds their edges.
-  void add_leaf(Tree& tree, Node& node, std::vector<Edge>& edges) const {
-    std::vector<std::array<Vector3, 3>> corners;
-    corners.reserve(node.last - node.first);
-    for (std::uint32_t t = node.first; t < node.last; ++t) {
-      const auto& [a, b, c] = triangles_[t].corners;
-      corners.push_back({vertices_[a], vertices_[b], vertices_[c]});
-      for (const Edge& edge : {Edge{a, b}, Edge{b, c}, Edge{c, a}}) edges.push_back(edge);
-    }
-    const std::vector<TriangleBlock> blocks = triangle_blocks(corners);
-    node.first_triangles = static_cast<std::uint32_t>(tree.leaves.size());
-    tree.leaves.insert(tree.leaves.end(), blocks.begin(), blocks.end());
-    node.last_triangles = static_cast<std::uint32_t>(tree.leaves.size());
+}  // namespace
+
+std::int32_t WindingNumber::add(std::span<const Vector3> vertices, std::span<Triangle> triangles,
+                                std::uint32_t first, std::vector<Edge>& boundary) {
+  const auto index = static_cast<std::int32_t>(nodes_.size());
+  Node node;
+  node.first = first;
+  node.last = first + static_cast<std::uint32_t>(triangles.size());
+  for (const Triangle& triangle : triangles) {
+    for (const std::uint32_t corner : triangle) node.box.extend(vertices[corner]);
   }
-
-  /// Adds the trees over both halves of a node, and their edges.
-  void divide(Tree& tree, Node& node, std::vector<Edge>& edges) {
+  nodes_.push_back(node);
+  std::vector<Edge> edges;
+  if (triangles.size() <= leaf_triangles) {
+    for (const auto& [a, b, c] : triangles) {
+      edges.insert(edges.end(), {Edge{a, b}, Edge{b, c}, Edge{c, a}});
+      triangles_.push_back({vertices[a], vertices[b], vertices[c]});
+    }
+  } else {
     Eigen::Index axis = 0;
-    (node.high - node.low).maxCoeff(&axis);
-    const std::uint32_t middle = node.first + (node.last - node.first) / 2;
-    std::nth_element(triangles_.begin() + node.first, triangles_.begin() + middle,
-                     triangles_.begin() + node.last, [axis](const Placed& a, const Placed& b) {
-                       return a.sum[axis] != b.sum[axis] ? a.sum[axis] < b.sum[axis]
-                                                         : a.corners < b.corners;
+    node.box.sizes().maxCoeff(&axis);
+    const auto along = [&](const Triangle& t) {
+      return vertices[t[0]][axis] + vertices[t[1]][axis] + vertices[t[2]][axis];
+    };
+    const std::size_t half = triangles.size() / 2;
+    std::nth_element(triangles.begin(), triangles.begin() + static_cast<std::ptrdiff_t>(half),
+                     triangles.end(), [&](const Triangle& a, const Triangle& b) {
+                       const double at_a = along(a), at_b = along(b);
+                       return at_a != at_b ? at_a < at_b : a < b;
                      });
     std::vector<Edge> other;
-    if (node.last - node.first > worth_a_thread) {
-      Tree left, right;
-      tbb::parallel_invoke([&] { build(node.first, middle, left, edges); },
-                           [&] { build(middle, node.last, right, other); });
-      node.left = tree.append(left);
-      node.right = tree.append(right);
-    } else {
-      node.left = build(node.first, middle, tree, edges);
-      node.right = build(middle, node.last, tree, other);
-    }
+    node.left = add(vertices, triangles.first(half), first, edges);
+    node.right =
+        add(vertices, triangles.subspan(half), first + static_cast<std::uint32_t>(half), other);
     edges.insert(edges.end(), other.begin(), other.end());
   }
-
-  std::span<const Vector3> vertices_;
-  std::vector<Placed> triangles_;
-};
+  boundary = cancelled(edges);
+  node.first_edge = static_cast<std::uint32_t>(boundaries_.size());
+  for (const auto& [from, to] : boundary) boundaries_.push_back({vertices[from], vertices[to]});
+  node.last_edge = static_cast<std::uint32_t>(boundaries_.size());
+  nodes_[static_cast<std::size_t>(index)] = node;
+  return index;
+}
 
 WindingNumber::WindingNumber(std::span<const Vector3> vertices,
                              std::span<const Triangle> triangles) {
   if (triangles.empty()) return;
+  std::vector<Triangle> ordered(triangles.begin(), triangles.end());
   std::vector<Edge> boundary;
-  Builder(vertices, triangles)
-      .build(0, static_cast<std::uint32_t>(triangles.size()), tree_, boundary);
+  add(vertices, ordered, 0, boundary);
 }
 
 double WindingNumber::at(const Vector3& point) const noexcept {
-  if (tree_.nodes.empty()) return 0;
+  if (nodes_.empty()) return 0;
   std::array<std::int32_t, 64> stack{};  // the tree halves, so it is at most 32 deep
   std::size_t depth = 0;
   stack[depth++] = 0;
   AngleSum sum;
   while (depth > 0) {
-    const Node& node = tree_.nodes[static_cast<std::size_t>(stack[--depth])];
-    const bool outside =
-        (point.array() < node.low.array()).any() || (point.array() > node.high.array()).any();
-    const std::uint32_t triangles = node.last - node.first;
-    if (outside && node.edges <= triangles) {
-      sum.add_fan({tree_.blocks.data() + node.first_block, tree_.blocks.data() + node.last_block},
-                  node.apex, point);
+    const Node& node = nodes_[static_cast<std::size_t>(stack[--depth])];
+    const std::uint32_t edges = node.last_edge - node.first_edge;
+    if (!node.box.contains(point) && edges <= node.last - node.first) {
+      const Vector3 apex = node.box.center() - point;
+      for (std::uint32_t i = node.first_edge; i < node.last_edge; ++i) {
+        sum.add(apex, boundaries_[i][0] - point, boundaries_[i][1] - point);
+      }
     } else if (node.left < 0) {
-      sum.add_triangles(
-          {tree_.leaves.data() + node.first_triangles, tree_.leaves.data() + node.last_triangles},
-          point);
+      for (std::uint32_t i = node.first; i < node.last; ++i) {
+        sum.add(triangles_[i][0] - point, triangles_[i][1] - point, triangles_[i][2] - point);
+      }
     } else {
       stack[depth++] = node.left;
       stack[depth++] = node.right;

@@ -1,12 +1,12 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
 #pragma once
 
+#include <Eigen/Geometry>
 #include <array>
 #include <cstdint>
 #include <span>
 #include <vector>
 
-#include "baker/mesh/fan_angles.hpp"
 #include "baker/mesh/mesh.hpp"
 #include "common/base/vector.hpp"
 
@@ -29,25 +29,20 @@ class WindingNumber {
   using Edge = std::array<std::uint32_t, 2>;
 
   struct Node {
-    Vector3 low, high, apex;
-    std::uint32_t first = 0, last = 0;                      ///< triangles
-    std::uint32_t edges = 0;                                ///< of the boundary
-    std::uint32_t first_block = 0, last_block = 0;          ///< they, directed
-    std::uint32_t first_triangles = 0, last_triangles = 0;  ///< of a leaf, in blocks
-    std::int32_t left = -1, right = -1;
+    Eigen::AlignedBox3d box;
+    std::uint32_t first = 0, last = 0;            ///< triangles
+    std::uint32_t first_edge = 0, last_edge = 0;  ///< of the boundary
+    std::int32_t left = -1, right = -1;           ///< -1: a leaf
   };
 
-  /// A tree over some of the triangles, its root first.
-  struct Tree {
-    std::vector<Node> nodes;
-    std::vector<EdgeBlock> blocks;  ///< of all nodes
-    std::vector<TriangleBlock> leaves;
+  std::vector<Node> nodes_;                         ///< the root first
+  std::vector<std::array<Vector3, 3>> triangles_;   ///< those of a node follow each other
+  std::vector<std::array<Vector3, 2>> boundaries_;  ///< directed, of all nodes
 
-    std::int32_t append(const Tree& other);  ///< gives where its root comes to be
-  };
-  class Builder;
-
-  Tree tree_;
+  /// Adds the tree over the triangles of some numbers, which it puts in order; gives the place of
+  /// its root, and the edges of its boundary.
+  std::int32_t add(std::span<const Vector3> vertices, std::span<Triangle> triangles,
+                   std::uint32_t first, std::vector<Edge>& boundary);
 };
 
 }  // namespace spm::baker

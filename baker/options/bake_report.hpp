@@ -27,8 +27,7 @@ struct Pruned {
 
 /// Results of a bake, besides the asset.
 struct BakeReport {
-  std::uint64_t samples = 0;  ///< height samples stored
-  std::uint64_t rays = 0;
+  std::uint64_t samples = 0;         ///< height samples stored
   std::uint64_t record_cells = 0;    ///< cells of space that touch the band
   std::uint64_t fallback_cells = 0;  ///< of them, cells that triangles answer
   double seconds_fit = 0;            ///< hull, planes, choice of maps and partition

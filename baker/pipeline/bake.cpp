@@ -247,7 +247,6 @@ BakeResult bake(const Mesh& mesh, const BakeOptions& options, const Progress& pr
   } else {
     bake_sparse(result, surface, caster, hull, options, progress, counts);
   }
-  result.report.rays = counts.rays;
   result.report.lids = mesh.lids;
   add_notes(solid, surface, counts, result.report);
   asset.metadata.solid = solid_json(mesh, result.report);

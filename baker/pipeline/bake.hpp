@@ -7,7 +7,6 @@
 #include "baker/mesh/mesh.hpp"
 #include "baker/options/bake_options.hpp"
 #include "baker/options/bake_report.hpp"
-#include "baker/trials/served_trials.hpp"
 #include "formats/asset/asset.hpp"
 
 namespace spm::baker {
@@ -15,7 +14,6 @@ namespace spm::baker {
 struct BakeResult {
   Asset asset;  ///< metadata complete but for tolerance_met, which the caller sets after verifying
   BakeReport report;
-  std::optional<ServedTrials> served;  ///< trials of the answers; `sparse` only
   std::optional<Mesh>
       smoothed;  ///< the smoothed mesh, which the asset then models in the mesh's place
 };

@@ -16,7 +16,6 @@
 #include "baker/field/octree_build.hpp"
 #include "baker/planes/planes.hpp"
 #include "baker/reachability/reachability.hpp"
-#include "baker/trials/served_trials.hpp"
 #include "common/surface/height_chart.hpp"
 #include "formats/asset/asset_writer.hpp"
 
@@ -136,7 +135,7 @@ double smallest_edge(const Band& band, const Caster& caster, double tolerance) {
   return tolerance <= coarse_share * fine ? fine : 2 * fine;
 }
 
-/// The share of the surface beside which trials tell the side, and no proof.
+/// The share of the surface beside which sides are only tried.
 double tried_area(const LatticeSurface& lattice, const Caster& caster) {
   double tried = 0, all = 0;
   for (std::uint32_t t = 0; t < caster.triangle_count(); ++t) {
@@ -212,8 +211,6 @@ void bake_sparse(BakeResult& result, const OuterSurface& surface, const Caster& 
   metadata.tried_area = tried_area(lattice, rounded);
   const AssetTables tables = tables_of(asset);
   counts = count_layers(tables.view(), caster);
-  result.served = try_served(tables.view(), caster, options.seed);
-  report.stages.end("trials");
   report.seconds_fit += seconds_since(started) - report.seconds_cast;
   report.samples = asset.atlas.heights.size();
   report.record_cells = built.counts.leaves();

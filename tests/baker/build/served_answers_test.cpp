@@ -10,9 +10,9 @@
 #include "baker/cast/cast.hpp"
 #include "baker/mesh/load.hpp"
 #include "baker/surface/outer_surface.hpp"
-#include "baker/trials/band_trials.hpp"
 #include "common/query/query.hpp"
 #include "formats/asset/mapped_asset.hpp"
+#include "tests/baker/build/band_trials.hpp"
 #include "tests/baker/mesh/mesh_support.hpp"
 #include "tests/support/shapes.hpp"
 

@@ -13,7 +13,7 @@
 #include "baker/field/octree_build.hpp"
 #include "baker/planes/hull.hpp"
 #include "baker/planes/planes.hpp"
-#include "baker/trials/answer_shares.hpp"
+#include "baker/verify/answer_shares.hpp"
 #include "common/base/random.hpp"
 #include "common/field/octree_leaves.hpp"
 #include "common/query/query.hpp"

@@ -8,7 +8,7 @@
 #include "bake_support.hpp"
 #include "baker/base/bake_error.hpp"
 #include "baker/cast/cast.hpp"
-#include "baker/trials/answer_shares.hpp"
+#include "baker/verify/answer_shares.hpp"
 #include "common/base/random.hpp"
 #include "common/paper/paper_force.hpp"
 #include "common/query/query.hpp"

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "baker/trials/band_trials.hpp"
+#include "tests/baker/build/band_trials.hpp"
 
 #include <algorithm>
 #include <array>

@@ -1,5 +1,5 @@
 // SPDX-License-Identifier: GPL-3.0-or-later
-#include "baker/trials/answer_shares.hpp"
+#include "baker/verify/answer_shares.hpp"
 
 #include <cmath>
 
@@ -10,7 +10,7 @@ namespace spm::baker {
 
 namespace {
 
-constexpr int along = 3;  ///< places in a leaf along each axis
+constexpr int tries = 3;  ///< places in a leaf along each axis
 
 double& share_of(const AssetView& view, const Leaf& leaf, AnswerShares& shares) {
   if (leaf.kind == OctreeKind::list) return shares.triangles;
@@ -31,13 +31,13 @@ SharesOfPlaces shares_of_places(const AssetView& view) {
   visit_leaves(view.octree, [&](const Leaf& leaf) {
     if (!has_answers(leaf.kind)) return;
     // Each place stands for a cube around it, and near the surface for what that has of it.
-    const double half = leaf.half / along, area = 4 * half * half;
+    const double half = leaf.half / tries, area = 4 * half * half;
     double &in_band = share_of(view, leaf, found.band),
            &at_surface = share_of(view, leaf, found.surface);
-    for (int k = 0; k < along * along * along; ++k) {
-      const int x = k % along, y = k / along % along, z = k / (along * along);
+    for (int k = 0; k < tries * tries * tries; ++k) {
+      const int x = k % tries, y = k / tries % tries, z = k / (tries * tries);
       const Answer answer = query_point(
-          view, leaf.middle + half * (2 * Vector3(x, y, z) - Vector3::Constant(along - 1)));
+          view, leaf.middle + half * (2 * Vector3(x, y, z) - Vector3::Constant(tries - 1)));
       if (answer.status != Status::exact) continue;
       in_band += 2 * half * area;
       if (std::abs(answer.distance) <= half) at_surface += area;
