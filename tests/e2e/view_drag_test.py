@@ -48,18 +48,18 @@ class Drag(Watched):
 
     def test_a_pointer_that_sweeps_over_the_object_is_followed_without_a_pause(self):
         x, y = self.on_object()
-        self.browser.press(x - 40, y)
+        self.browser.press(x - 25, y)
         try:
             self.browser.wait("spmView.frame.leads === 1 && !spmView.hand.round.length")
             self.count_events()
             sent = self.browser.run("return spmView.hand.number")
-            self.browser.move(x + 40, y, 800)
+            self.browser.move(x + 25, y, 800)
             # Each event becomes a command; how many there are is the browser's choice.
             told, moved = self.browser.run("return [spmView.hand.number, window.events.pointermove]")
             self.assertGreaterEqual(moved, 1)
             self.assertGreaterEqual(told - sent, moved)
             self.browser.wait("(([x, y]) => Math.hypot(x - arguments[0], y - arguments[1]) < 4)("
-                              "  spmView.stage.project(spmView.stage.proxy.position))", x + 40, y)
+                              "  spmView.stage.project(spmView.stage.proxy.position))", x + 25, y)
         finally:
             self.browser.release()
         self.browser.wait("spmView.frame.devices[0].hand === 1")
