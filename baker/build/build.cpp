@@ -27,7 +27,7 @@ namespace {
 
 using Json = nlohmann::ordered_json;
 
-constexpr std::uint64_t check_samples = 100000;
+constexpr std::uint64_t check_samples = 20000;
 constexpr double degree = std::numbers::pi / 180;
 
 std::string length(double metres) { return format_quantity(metres, Quantity::length); }
